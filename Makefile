@@ -1,0 +1,87 @@
+# Everything runs in .venv, which is made when needed. "make test" and "make demo" need only CPython >= 3.10
+# with venv, a C++ compiler and make: ROS 2 Jazzy itself comes as Python wheels.
+PYTHON ?= python3
+VENV := .venv
+RUN := $(VENV)/bin/python
+
+MESSAGES := $(shell find hgma_msgs -type f -not -path '*/build/*')
+
+# A sourced ROS, or another environment with ROS wheels, would put its own modules and libraries before ours. The
+# marker tells the wheels that the library path is set already; inherited from elsewhere, that is not true.
+ifneq ($(AMENT_PREFIX_PATH)$(_ROS_WHEELS_BOOTSTRAP_COMPLETE),)
+unexport LD_LIBRARY_PATH
+endif
+unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH RMW_IMPLEMENTATION
+unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_PREFER_BINARY := 1
+
+.PHONY: setup demo test lint types chamber-table clean FORCE
+.DELETE_ON_ERROR:
+
+setup: $(VENV)/.messages
+
+demo: setup
+	$(RUN) -m hgma_compensation.demo
+
+test: lint types
+	$(RUN) -m pytest
+
+lint: setup
+	$(RUN) -m ruff check .
+	$(RUN) -m ruff format --check .
+
+types: setup
+	$(RUN) -m mypy hgma_compensation benchmarks
+
+# The error of every method on the measured chamber recording, five seeds.
+chamber-table: setup
+	$(RUN) -m benchmarks.chamber_table
+
+clean:
+	rm -rf $(VENV) build dist install log demo_output *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The three stages of the set-up, each with a stamp written last. While pip changes the environment there is
+# a file .busy: where it is found, an interrupted pip has left an unknown state, and all is made anew.
+$(VENV)/.created: $(if $(wildcard $(VENV)/.busy),FORCE)
+	@$(PYTHON) -c "$$CHECK_PYTHON" || { [ $$? = 3 ] || echo "error: cannot run $(PYTHON): $(NEEDED)" >&2; exit 1; }
+	@echo "Setting up $(VENV), which takes about two minutes the first time"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@touch $@
+
+$(VENV)/.project: $(VENV)/.created setup.py setup.cfg pyproject.toml hgma_compensation/__init__.py
+	@touch $(VENV)/.busy
+	$(RUN) -m pip install --quiet --editable '.[ros,offline,test]'
+	@rm $(VENV)/.busy && touch $@
+
+# Not made anew after each edit of pyproject.toml; setup.py counts because it decides which ROS there is.
+$(VENV)/.messages: $(VENV)/.created setup.py $(MESSAGES) | $(VENV)/.project
+	@rm -rf $(VENV)/wheels
+	$(RUN) -m pip wheel --quiet --no-deps --wheel-dir $(VENV)/wheels ./hgma_msgs
+	@touch $(VENV)/.busy
+	$(RUN) -m pip install --quiet --no-deps --force-reinstall $(VENV)/wheels/hgma_msgs-*.whl
+	@rm $(VENV)/.busy
+	@$(RUN) -c "import rclpy, hgma_msgs.msg, hgma_msgs.srv"
+	@touch $@
+
+NEEDED := CPython 3.10 or newer with venv is needed (another one: make PYTHON=python3.12)
+
+# Written for any Python, so that an old one can say that it is too old.
+define CHECK_PYTHON
+import os, platform, sys, sysconfig
+def refuse(reason):
+    sys.stderr.write("error: %s: %s\n" % (sys.executable, reason))
+    sys.exit(3)
+if sys.version_info < (3, 10):
+    refuse("is Python %d.%d. $(NEEDED)" % sys.version_info[:2])
+try:
+    import ensurepip, venv
+except ImportError:
+    refuse("has no venv (Debian and Ubuntu: apt install python3-venv)")
+if not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")):
+    refuse("has no C headers, which the messages are compiled with (Debian and Ubuntu: apt install python3-dev)")
+if sys.version_info >= (3, 14) or platform.machine() != "x86_64":
+    sys.stderr.write("note: the wheels of ROS 2 Jazzy were made for CPython 3.10 to 3.13 on x86_64\n")
+endef
+export CHECK_PYTHON

@@ -1,0 +1,89 @@
+"""``hgma import-csv``."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from hgma_compensation.channels import CHANNELS
+from hgma_compensation.cli import options
+from hgma_compensation.cli.terminal import check_new, counting_bar, write_json
+from hgma_compensation.recording.bag_writer import Storage, write_recording
+from hgma_compensation.recording.csv_table import (
+    ACCELERATION_UNITS,
+    RATE_UNITS,
+    TEMPERATURE_UNITS,
+    TIME_UNITS,
+    Columns,
+    read_table,
+)
+
+
+def _channel_options(function: Any) -> Any:
+    for channel in reversed(CHANNELS):
+        flag = "--" + channel.replace("_", "-").replace(".", "-")
+        function = click.option(flag, channel.replace(".", "__"), metavar="COL", help=f"Column of {channel}.")(function)
+    return function
+
+
+def _unit(flag: str, units: Any, default: str) -> Any:
+    return click.option(
+        flag, type=click.Choice(list(units)), default=default, show_default=True, help="Unit in the table."
+    )
+
+
+@click.command("import-csv")
+@click.argument("file", type=options.PathArgument())
+@options.output("BAG", "Recording to write.")
+@click.option("--time", required=True, metavar="COL", help="Column of the time.")
+@click.option("--temperature", required=True, metavar="COL", help="Column of the thermistor.")
+@_channel_options
+@click.option("--temperature-2", metavar="COL", help="Column of a second thermometer.")
+@click.option("--supply-voltage", metavar="COL", help="Column of the supply voltage, V.")
+@_unit("--time-unit", TIME_UNITS, "s")
+@_unit("--acceleration-unit", ACCELERATION_UNITS, "m/s^2")
+@_unit("--angular-velocity-unit", RATE_UNITS, "rad/s")
+@_unit("--temperature-unit", TEMPERATURE_UNITS, "C")
+@click.option("--from", "start", type=float, metavar="S", help="Only rows whose time is S seconds or more.")
+@click.option("--until", "end", type=float, metavar="S", help="Only rows whose time is below S seconds.")
+@click.option(
+    "--skip-rows", type=click.IntRange(min=0), default=0, metavar="N", help="Leave out the first N data rows."
+)
+@click.option("--frame-id", default="imu_link", show_default=True, help="Frame of the messages.")
+@options.storage
+@options.json_file
+def command(file: Path, output: Path, storage: Storage, json_path: Path | None, **chosen: Any) -> None:
+    """Make a recording out of a table with a header line.
+
+    A column (COL) is given by its name or by its number, counted from 1. Time keeps the table's scale.
+    """
+    check_new(output)
+    columns = Columns(
+        time=chosen["time"],
+        temperature=chosen["temperature"],
+        channels={c: chosen[c.replace(".", "__")] for c in CHANNELS if chosen[c.replace(".", "__")] is not None},
+        temperature_2=chosen["temperature_2"],
+        supply_voltage=chosen["supply_voltage"],
+        time_unit=chosen["time_unit"],
+        acceleration_unit=chosen["acceleration_unit"],
+        rate_unit=chosen["angular_velocity_unit"],
+        temperature_unit=chosen["temperature_unit"],
+        start=chosen["start"],
+        end=chosen["end"],
+        skip_rows=chosen["skip_rows"],
+        frame=chosen["frame_id"],
+    )
+    recording = read_table(file, columns)
+    with counting_bar("writing", 2.0 * len(recording.stamps)) as advance:
+        write_recording(recording, output, storage, advance)
+    click.echo(
+        f"{output}: {len(recording.stamps)} samples over {recording.duration:.1f} s of {', '.join(recording.present)}"
+    )
+    write_json(
+        json_path,
+        {
+            "samples": len(recording.stamps),
+            "duration": recording.duration,
+            "channels": list(recording.present),
+        },
+    )

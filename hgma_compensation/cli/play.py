@@ -1,0 +1,58 @@
+"""``hgma play``."""
+
+from pathlib import Path
+
+import click
+
+from hgma_compensation.cli import options
+from hgma_compensation.cli.terminal import counting_bar, write_json
+from hgma_compensation.errors import RefusedError
+from hgma_compensation.recording.bag_reader import open_bag
+from hgma_compensation.topics import TopicNames
+
+
+@click.command("play")
+@options.bag_argument
+@click.option(
+    "--rate",
+    type=click.FloatRange(min=0.0, min_open=True),
+    default=1.0,
+    show_default=True,
+    help="Times faster than recorded.",
+)
+@click.option("--loop", is_flag=True, help="Begin again at the end, until interrupted.")
+@click.option("--clock", is_flag=True, help="Publish the recording's time on /clock, for use_sim_time.")
+@click.option(
+    "--wait",
+    type=click.FloatRange(min=0.0),
+    default=0.0,
+    show_default=True,
+    metavar="S",
+    help="Wait for subscribers, at most S seconds.",
+)
+@options.remap
+@options.json_file
+def command(
+    bag: Path, rate: float, loop: bool, clock: bool, wait: float, names: TopicNames, json_path: Path | None
+) -> None:
+    """Publish a recording to ROS, each message with the content and stamp it was recorded with."""
+    try:
+        import rclpy  # only this command and the node need ROS
+
+        from hgma_compensation.node.player import Player, PlayOptions
+    except ImportError as error:
+        raise RefusedError(f"rclpy is not installed ({error}): run make, or source your ROS 2 workspace") from error
+    with open_bag(bag) as reader:
+        total = reader.message_count
+    rclpy.init(args=[])
+    node = rclpy.create_node("hgma_player")
+    try:
+        with counting_bar("playing", None if loop else total) as advance:
+            count = Player(node, bag, PlayOptions(rate, loop, clock, wait, names), advance).play()
+    except KeyboardInterrupt:
+        return
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+    click.echo(f"{bag}: {count} messages played")
+    write_json(json_path, {"messages": count})

@@ -1,0 +1,28 @@
+"""``hgma simulate``."""
+
+from pathlib import Path
+
+import click
+
+from hgma_compensation.cli import options
+from hgma_compensation.cli.terminal import check_new, counting_bar, write_json
+from hgma_compensation.recording.bag_writer import Storage, write_recording
+from hgma_compensation.simulation.oven_test import simulate
+from hgma_compensation.simulation.scenario import read_scenario
+
+
+@click.command("simulate")
+@click.argument("scenario", type=options.PathArgument())
+@options.output("BAG", "Recording to write.")
+@options.storage
+@options.json_file
+def command(scenario: Path, output: Path, storage: Storage, json_path: Path | None) -> None:
+    """Make the recording of an oven test out of a SCENARIO.yaml such as those in params/."""
+    check_new(output)
+    recording = simulate(read_scenario(scenario))
+    with counting_bar("writing", len(recording.stamps) + len(recording.temperature.stamps)) as advance:
+        write_recording(recording, output, storage, advance)
+    click.echo(
+        f"{output}: {len(recording.stamps)} samples over {recording.duration:.0f} s of {', '.join(recording.present)}"
+    )
+    write_json(json_path, {"samples": len(recording.stamps), "duration": recording.duration})

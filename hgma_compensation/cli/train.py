@@ -1,0 +1,164 @@
+"""``hgma train``."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.table import Table
+
+from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.calibration.document import write_calibration
+from hgma_compensation.channels import parse_channels, unit_of
+from hgma_compensation.cli import options
+from hgma_compensation.cli.terminal import check_folder, console, counting_bar, progress_bar, write_json
+from hgma_compensation.kalman.settings import FilterMode
+from hgma_compensation.recording.bag_reader import read_recording
+from hgma_compensation.temperature.features import Product
+from hgma_compensation.topics import TopicNames
+from hgma_compensation.training.genetic import GeneticSettings
+from hgma_compensation.training.methods import Method
+from hgma_compensation.training.reference import Reference
+from hgma_compensation.training.train import TrainingOptions, choose_channels, train
+
+DEFAULTS, SEARCH = TrainingOptions(), GeneticSettings()
+
+
+@click.command("train")
+@options.bags_argument
+@options.output("CAL", "Calibration file to write.")
+@click.option(
+    "--method",
+    type=click.Choice([m.value for m in Method]),
+    default=DEFAULTS.method.value,
+    show_default=True,
+    help="rbf-ga: network found by a genetic search. rbf: network trained by gradient descent. polynomial: cubic in "
+    "temperature, as PX4 and ArduPilot fit it. polynomial-rate: the cubic with rate terms.",
+)
+@click.option(
+    "--channels",
+    metavar="LIST",
+    help="Comma-separated, such as linear_acceleration.z. Default: all that the recordings have.",
+)
+@options.reference
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=DEFAULTS.seed,
+    show_default=True,
+    help="Same seed, same calibration.",
+)
+@click.option("--sensor-id", metavar="ID", help="Name of the sensor in the file. Default: the frame of its messages.")
+@click.option(
+    "--delay",
+    type=click.FloatRange(min=0.0, min_open=True),
+    default=DEFAULTS.delay,
+    show_default=True,
+    help="Of ΔT = T(t) - T(t - delay), s.",
+)
+@click.option(
+    "--product",
+    type=click.Choice([p.value for p in Product]),
+    default=DEFAULTS.product.value,
+    show_default=True,
+    help="Form of the input T·ΔT; reference is the paper's T·(T - 25 °C), which adds nothing to T.",
+)
+@click.option(
+    "--filter",
+    "filter_mode",
+    type=click.Choice([m.value for m in FilterMode]),
+    default=DEFAULTS.filter.value,
+    show_default=True,
+    help="Kalman stage after the drift model.",
+)
+@click.option(
+    "--filter-time-constant",
+    type=click.FloatRange(min=0.0, min_open=True),
+    default=DEFAULTS.filter_time_constant,
+    show_default=True,
+    help="Of --filter smooth, s.",
+)
+@click.option(
+    "--centres",
+    type=click.IntRange(1, 200),
+    default=SEARCH.centres,
+    show_default=True,
+    help="Gaussians of the network.",
+)
+@click.option(
+    "--generations",
+    type=click.IntRange(min=1),
+    default=SEARCH.generations,
+    show_default=True,
+    help="Longest search.",
+)
+@click.option(
+    "--population",
+    type=click.IntRange(min=4),
+    default=SEARCH.population,
+    show_default=True,
+    help="Networks in each generation.",
+)
+@options.time_range
+@options.remap
+@options.json_file
+def command(bags: tuple[Path, ...], output: Path, names: TopicNames, json_path: Path | None, **chosen: Any) -> None:
+    """Fit a calibration to one or more recordings of the same still sensor."""
+    check_folder(output)
+    settings = TrainingOptions(
+        method=Method(chosen["method"]),
+        channels=parse_channels(chosen["channels"]) if chosen["channels"] is not None else None,
+        reference=Reference.parse(chosen["reference_text"]),
+        seed=chosen["seed"],
+        sensor_id=chosen["sensor_id"],
+        delay=chosen["delay"],
+        product=Product(chosen["product"]),
+        filter=FilterMode(chosen["filter_mode"]),
+        filter_time_constant=chosen["filter_time_constant"],
+        genetic=GeneticSettings(chosen["centres"], chosen["population"], chosen["generations"]),
+    )
+    with counting_bar("reading") as advance:
+        recordings = [read_recording(bag, names, advance).cut(chosen["start"], chosen["end"]) for bag in bags]
+    channels = choose_channels(recordings, settings.channels)
+    with progress_bar("training", len(channels) * settings.genetic.generations) as (bar, task):
+
+        def show(channel: str, generation: int, best: float) -> None:
+            done = channels.index(channel) * settings.genetic.generations + generation
+            bar.update(task, completed=done, description=f"{channel}: best {best:.4g} {unit_of(channel)}")
+
+        calibration = train(recordings, settings, show)
+    write_calibration(calibration, output)
+    console.print(_table(calibration))
+    click.echo(f"{output}: calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
+    write_json(json_path, _figures(calibration))
+
+
+def _table(calibration: Calibration) -> Table:
+    table = Table(title=f"RMS over means of {calibration.training['block']:g} s ({calibration.training['folds']})")
+    for heading in ("channel", "unit", "fitted", "cross-validated", "noise"):
+        table.add_column(heading, justify="left" if heading in ("channel", "unit") else "right")
+    for channel in calibration.channels:
+        validated = channel.error.cross_validated
+        table.add_row(
+            channel.name,
+            unit_of(channel.name),
+            f"{channel.error.fit:.4g}",
+            "-" if validated is None else f"{validated:.4g}",
+            f"{channel.error.noise:.4g}",
+        )
+    return table
+
+
+def _figures(calibration: Calibration) -> dict[str, Any]:
+    return {
+        "calibration_id": calibration.calibration_id,
+        "channels": {
+            channel.name: {
+                "unit": unit_of(channel.name),
+                "reference": channel.reference,
+                "fit": channel.error.fit,
+                "cross_validated": channel.error.cross_validated,
+                "noise": channel.error.noise,
+            }
+            for channel in calibration.channels
+        },
+    }

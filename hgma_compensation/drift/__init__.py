@@ -1,0 +1,1 @@
+"""Drift models: temperature features in, drift of one channel out."""

@@ -1,0 +1,1 @@
+"""Error before and after. Offline only."""

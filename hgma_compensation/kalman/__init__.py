@@ -1,0 +1,1 @@
+"""The Kalman stage after the drift model."""

@@ -1,0 +1,80 @@
+"""The node's state in words, as diagnostic_msgs."""
+
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+
+from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.reasons import REMEDIES, Skip
+from hgma_compensation.pipeline.status import TemperatureStatus
+
+TEMPERATURE_ADVICE = {
+    TemperatureStatus.SETTLING: "temperature history is settling, the drift is approximate",
+    TemperatureStatus.STALE: "the thermistor is silent, its last trend is held: check its driver",
+    TemperatureStatus.MISSING: "no thermistor sample yet, the drift at mid-range is subtracted: "
+    "check the topic accel/temperature",
+    TemperatureStatus.OUT_OF_RANGE: "temperature outside the calibrated range, drift held at its edge: "
+    "calibrate over a wider range",
+}
+
+
+class DiagnosticReport:
+    """Turns counts into a status; remembers them to tell what is new since the report before."""
+
+    def __init__(self, name: str) -> None:
+        """Report under a name."""
+        self._name = name
+        self._reported: dict[str, int] = {}
+        self._received = 0
+
+    def status(self, live: LiveCompensation, state: str, refusal: str, elapsed: float) -> DiagnosticStatus:
+        """Return the status of the last ``elapsed`` seconds.
+
+        state: of the lifecycle. refusal: why the last calibration was refused, "" if it was not.
+        """
+        fresh = {name: count - self._reported.get(name, 0) for name, count in live.counts.items()}
+        rate = (live.received - self._received) / elapsed if elapsed > 0.0 else 0.0
+        self._reported, self._received = dict(live.counts), live.received
+        level, message = self._verdict(live, state, refusal, {n: c for n, c in fresh.items() if c})
+        return DiagnosticStatus(
+            level=level,
+            name=self._name,
+            message=message,
+            hardware_id=live.calibration.sensor_id if live.calibration else "",
+            values=[KeyValue(key=key, value=value) for key, value in self._values(live, state, refusal, rate)],
+        )
+
+    def _verdict(self, live: LiveCompensation, state: str, refusal: str, fresh: dict[str, int]) -> tuple[bytes, str]:
+        if live.calibration is None:
+            return DiagnosticStatus.ERROR, refusal or f"no calibration: {REMEDIES[Skip.NO_CALIBRATION.value]}"
+        if state != "active":
+            return DiagnosticStatus.WARN, f"the node is {state}: {REMEDIES[Skip.NOT_ACTIVE.value]}"
+        if fresh:
+            name = max(fresh, key=lambda key: fresh[key])
+            return DiagnosticStatus.WARN, f"{name} ({fresh[name]} in the last second): {REMEDIES[name]}"
+        if live.last_result is None:
+            return DiagnosticStatus.WARN, "no acceleration yet: check the topic accel/raw"
+        status = TemperatureStatus(int(live.last_result.compensated.status[-1]))
+        if status is not TemperatureStatus.OK:
+            return DiagnosticStatus.WARN, TEMPERATURE_ADVICE[status]
+        if refusal:
+            return (
+                DiagnosticStatus.WARN,
+                f"compensating under the old calibration, the new one was refused: {refusal}",
+            )
+        return DiagnosticStatus.OK, "compensating"
+
+    def _values(self, live: LiveCompensation, state: str, refusal: str, rate: float) -> list[tuple[str, str]]:
+        values = [
+            ("lifecycle_state", state),
+            ("calibration_id", live.calibration.calibration_id if live.calibration else ""),
+            ("last_refusal", refusal),
+            ("samples_per_second", f"{rate:.1f}"),
+            ("samples_received", str(live.received)),
+            ("samples_compensated", str(live.compensated)),
+            ("samples_skipped", str(live.skipped())),
+        ]
+        if live.last_result is not None:
+            result = live.last_result.compensated
+            values.append(("temperature_status", TemperatureStatus(int(result.status[-1])).name))
+            values.append(("temperature_celsius", f"{result.features[-1, 0]:.3f}"))
+            values.append(("inside_calibrated_range", str(bool(result.inside_range[-1]))))
+        return values + [(name, str(count)) for name, count in sorted(live.counts.items())]

@@ -1,0 +1,122 @@
+"""A pipeline that lives in a node: swaps calibrations, remembers the thermistor, counts what it skips."""
+
+from collections import Counter, deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.channels import columns_of
+from hgma_compensation.pipeline.pipeline import Compensated, Pipeline
+from hgma_compensation.pipeline.reasons import Note, Skip
+from hgma_compensation.stamps import Stamps, to_nanoseconds
+from hgma_compensation.temperature.track import TIME_JUMP, Sample
+
+REMEMBERED = 4096
+"""Thermistor samples kept to warm up the features of a calibration that is swapped in: an hour at 1 Hz."""
+
+
+@dataclass(frozen=True)
+class LiveResult:
+    """What became of the samples, and under which calibration; every sample of it belongs to that one."""
+
+    calibration: Calibration
+    compensated: Compensated
+
+
+class LiveCompensation:
+    """The node's state without ROS. Not thread-safe: one executor thread owns it."""
+
+    def __init__(self) -> None:
+        """Start without a calibration."""
+        self.counts: Counter[str] = Counter()
+        self.received = self.compensated = 0
+        self.last_result: LiveResult | None = None
+        self._pipeline: Pipeline | None = None
+        self._recent: deque[tuple[int, float]] = deque(maxlen=REMEMBERED)
+        self._last_acceleration: int | None = None
+
+    @property
+    def calibration(self) -> Calibration | None:
+        """The calibration in use."""
+        return self._pipeline.calibration if self._pipeline else None
+
+    def install(self, calibration: Calibration) -> None:
+        """Use a calibration from the next sample on; its features start from the remembered thermistor."""
+        pipeline = Pipeline(calibration, live=True)
+        for stamp, celsius in self._recent:
+            pipeline.add_temperature(stamp, celsius)
+        self._pipeline = pipeline
+
+    def remove_calibration(self) -> None:
+        """Drop the calibration; samples are skipped until another is installed."""
+        self._pipeline = None
+        self.last_result = None
+
+    def reset(self) -> None:
+        """Forget thermistor history and filter states; calibration and counts stay."""
+        self._recent.clear()
+        self._last_acceleration = None
+        if self._pipeline is not None:
+            self._pipeline.reset()
+
+    def add_temperature(self, stamp: int, celsius: float) -> None:
+        """Take a thermistor sample (ns, °C)."""
+        self._recent.append((stamp, celsius))
+        if self._pipeline is None:
+            return
+        sample = self._pipeline.add_temperature(stamp, celsius)
+        if sample is Sample.RESTARTED:
+            self._recent.clear()
+            self._recent.append((stamp, celsius))
+        if sample is not Sample.USED:
+            self.counts[sample.value] += 1
+        elif self._is_late(stamp):
+            self.counts[Note.TEMPERATURE_LATE.value] += 1
+
+    def _is_late(self, stamp: int) -> bool:
+        """Return whether an acceleration was compensated before that should have used this sample."""
+        assert self._pipeline is not None
+        usable_from = stamp + to_nanoseconds(self._pipeline.calibration.features.latency)
+        return self._last_acceleration is not None and usable_from <= self._last_acceleration
+
+    def compensate(self, stamps: Stamps, values: NDArray[np.float64]) -> LiveResult | None:
+        """Return the compensated samples, or None and a counted reason.
+
+        stamps: (n,) ns. values: (n, 6), columns CHANNELS. A block with a number that is not finite in a
+        calibrated channel is skipped whole, so that none enters a filter.
+        """
+        self.received += len(stamps)
+        if self._pipeline is None:
+            self._skip(Skip.NO_CALIBRATION, len(stamps))
+            return None
+        calibration = self._pipeline.calibration
+        wanted = values[:, columns_of(calibration.names)]
+        if not np.isfinite(wanted).all():
+            self._skip(Skip.NOT_FINITE, len(stamps))
+            return None
+        if self._last_acceleration is not None and stamps[0] < self._last_acceleration - TIME_JUMP:
+            self.counts[Note.TIME_JUMPED_BACK.value] += 1
+        self._last_acceleration = int(stamps[-1])
+        self.last_result = LiveResult(calibration, self._pipeline.compensate(stamps, wanted))
+        self.compensated += len(stamps)
+        return self.last_result
+
+    def skip_unseen(self, reason: Skip, samples: int) -> None:
+        """Count samples that came and were not even given to ``compensate``."""
+        self.received += samples
+        self._skip(reason, samples)
+
+    def _skip(self, reason: Skip, samples: int) -> None:
+        self.counts[reason.value] += samples
+
+    def skipped(self) -> int:
+        """Return how many samples got no output, whatever the reason."""
+        return sum(self.counts[reason.value] for reason in Skip)
+
+
+def single_sample(stamp: int, values: Sequence[float]) -> tuple[Stamps, NDArray[np.float64]]:
+    """Return one sample in the shapes that ``compensate`` takes."""
+    return np.array([stamp], dtype=np.int64), np.array([values], dtype=np.float64)

@@ -1,0 +1,36 @@
+"""What the temperature is worth at a sample; the numbers are those of hgma_msgs/CompensationState."""
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.drift.model import CalibratedRange
+from hgma_compensation.temperature.features import Features, FeatureSettings
+
+
+class TemperatureStatus(IntEnum):
+    """OK, or the first reason in this order of severity why the drift may be off."""
+
+    OK = 0
+    SETTLING = 1
+    STALE = 2
+    MISSING = 3
+    OUT_OF_RANGE = 4
+    INVALID = 5
+
+
+def temperature_status(
+    features: Features, settings: FeatureSettings, calibrated_range: CalibratedRange
+) -> NDArray[np.uint8]:
+    """Return the status of each sample, shape (n,).
+
+    MISSING before the first thermistor sample; STALE when the newest is older than the prediction
+    horizon; SETTLING until the history covers the delay of ΔT; OUT_OF_RANGE outside the calibrated box.
+    """
+    status = np.full(len(features.age), TemperatureStatus.OK, dtype=np.uint8)
+    status[features.since_start < settings.delay] = TemperatureStatus.SETTLING
+    status[~calibrated_range.contains(features.values)] = TemperatureStatus.OUT_OF_RANGE
+    status[features.age > settings.prediction_horizon] = TemperatureStatus.STALE
+    status[np.isinf(features.age)] = TemperatureStatus.MISSING
+    return status

@@ -1,0 +1,1 @@
+"""Recordings: arrays in memory, rosbag2 folders on disk."""

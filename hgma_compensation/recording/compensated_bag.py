@@ -1,0 +1,110 @@
+"""Writes a bag again with the compensated topics beside the recorded ones."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rosbags.highlevel import AnyReader
+from rosbags.interfaces import Connection
+
+from hgma_compensation import topics
+from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.channels import columns_of
+from hgma_compensation.messages import patch_block, patch_imu
+from hgma_compensation.pipeline.pipeline import Compensated, Pipeline
+from hgma_compensation.pipeline.state_fields import state_fields
+from hgma_compensation.recording import typestore as types
+from hgma_compensation.recording.bag_reader import Progress, open_bag, read_messages
+from hgma_compensation.recording.bag_writer import BagWriter, Storage, new_bag
+from hgma_compensation.recording.recording import Recording
+
+
+def usable_rows(recording: Recording, calibration: Calibration) -> NDArray[np.bool_]:
+    """Return for each sample whether all calibrated channels are finite; the node skips the others too."""
+    return np.asarray(np.isfinite(recording.values[:, columns_of(calibration.names)]).all(axis=1))
+
+
+def compensate_recording(recording: Recording, calibration: Calibration) -> Compensated:
+    """Return the pipeline's result for the usable rows of a recording."""
+    rows = usable_rows(recording, calibration)
+    pipeline = Pipeline(calibration)
+    pipeline.track.extend(recording.temperature.stamps, recording.temperature.values)
+    return pipeline.compensate(recording.stamps[rows], recording.values[rows][:, columns_of(calibration.names)])
+
+
+def write_compensated(
+    source: Path,
+    recording: Recording,
+    calibration: Calibration,
+    path: Path,
+    *,
+    names: topics.TopicNames,
+    storage: Storage = Storage.MCAP,
+    progress: Progress | None = None,
+) -> Compensated:
+    """Write the bag ``source`` with the output topics of the node added, and return the result.
+
+    recording: as read from ``source``. Output topics that the source already has are replaced.
+    """
+    result = compensate_recording(recording, calibration)
+    with open_bag(source) as reader, new_bag(path, storage) as bag:
+        copying = _Copy(reader, bag, names, calibration, result, usable_rows(recording, calibration))
+        for count, (connection, time, raw) in enumerate(read_messages(reader, source, copying.sources)):
+            copying.take(connection, time, raw)
+            if progress is not None and count % 1000 == 999:
+                progress(1000)
+    return result
+
+
+class _Copy:
+    """Copies messages, and adds to each accelerometer message what the pipeline made of it."""
+
+    def __init__(
+        self,
+        reader: AnyReader,
+        bag: BagWriter,
+        names: topics.TopicNames,
+        calibration: Calibration,
+        result: Compensated,
+        usable: NDArray[np.bool_],
+    ) -> None:
+        outputs = {topics.in_bag(topic) for topic in topics.OUTPUTS}
+        self.sources = [c for c in reader.connections if c.topic not in outputs]
+        self._reader, self._bag, self._calibration = reader, bag, calibration
+        self._result, self._usable = result, usable
+        self._copies = {c.id: bag.copy_topic(c) for c in self.sources}
+        imu = {c.id for c in self.sources if c.topic == names[topics.RAW]}
+        blocks = {c.id for c in self.sources if c.topic == names[topics.RAW_BLOCK]} if not imu else set()
+        self._imu, self._blocks = imu, blocks
+        if imu:
+            self._output = bag.topic(topics.in_bag(topics.COMPENSATED), types.IMU)
+        else:
+            self._output = bag.topic(topics.in_bag(topics.COMPENSATED_BLOCK), types.ACCEL_BLOCK)
+        self._state = bag.topic(topics.in_bag(topics.STATE), types.STATE)
+        self._sample = self._row = 0
+
+    def take(self, connection: Connection, time: int, raw: bytes) -> None:
+        """Write a message of the source, and its outputs if it is an accelerometer's."""
+        self._bag.write_raw(self._copies[connection.id], time, raw)
+        if connection.id in self._imu:
+            self._compensate(time, self._reader.deserialize(raw, connection.msgtype), 1)
+        elif connection.id in self._blocks:
+            message: Any = self._reader.deserialize(raw, connection.msgtype)
+            self._compensate(time, message, len(message.x))
+
+    def _compensate(self, time: int, message: Any, count: int) -> None:
+        usable = bool(self._usable[self._sample : self._sample + count].all())
+        rows = slice(self._row, self._row + int(self._usable[self._sample : self._sample + count].sum()))
+        self._sample, self._row = self._sample + count, rows.stop
+        if not usable or not count:
+            return
+        values = self._result.values[rows]
+        if self._imu:
+            patch_imu(message, self._calibration.names, values[0].tolist())
+        else:
+            patch_block(message, self._calibration.names, values)
+        self._bag.write(self._output, time, message)
+        fields = state_fields(self._calibration, self._result, rows.stop - 1)
+        state = self._bag.typestore.types[types.STATE]
+        self._bag.write(self._state, time, state(header=message.header, **fields))

@@ -1,0 +1,98 @@
+"""A recording as arrays."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.channels import CHANNELS, group_of
+from hgma_compensation.errors import RefusedError
+from hgma_compensation.stamps import NANOSECONDS, Stamps, to_nanoseconds
+
+
+@dataclass(frozen=True)
+class Series:
+    """Scalar samples: stamps (n,) in ns, values (n,)."""
+
+    stamps: Stamps
+    values: NDArray[np.float64]
+
+    @classmethod
+    def empty(cls) -> "Series":
+        """Return a series without samples."""
+        return cls(np.empty(0, dtype=np.int64), np.empty(0))
+
+    def between(self, start: int, end: int) -> "Series":
+        """Return the samples with start <= stamp < end (ns)."""
+        inside = (self.stamps >= start) & (self.stamps < end)
+        return Series(self.stamps[inside], self.values[inside])
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One run of one sensor.
+
+    stamps: (n,) ns of the accelerometer. values: (n, 6), columns CHANNELS, m/s² and rad/s.
+    present: the channels that the sensor really delivers. temperature, temperature_2: °C.
+    supply_voltage: V. frame: of the accelerometer's messages. name: for messages and provenance.
+    """
+
+    name: str
+    stamps: Stamps
+    values: NDArray[np.float64]
+    present: tuple[str, ...]
+    temperature: Series
+    temperature_2: Series = field(default_factory=Series.empty)
+    supply_voltage: Series = field(default_factory=Series.empty)
+    frame: str = "imu_link"
+
+    @property
+    def start(self) -> int:
+        """Stamp of the first sample of accelerometer or thermistor, ns."""
+        return int(min(self.stamps.min(), self.temperature.stamps.min(initial=self.stamps.min())))
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last accelerometer sample, s."""
+        return float((self.stamps.max() - self.stamps.min()) / NANOSECONDS)
+
+    def cut(self, start: float | None, end: float | None) -> "Recording":
+        """Return the part from start to before end, in s from the start of the recording.
+
+        Raises RefusedError where nothing is left.
+        """
+        if start is None and end is None:
+            return self
+        first = self.start + to_nanoseconds(start or 0.0)
+        last = self.start + to_nanoseconds(end) if end is not None else np.iinfo(np.int64).max
+        inside = (self.stamps >= first) & (self.stamps < last)
+        if not inside.any():
+            until = "its end" if end is None else f"{end:g} s"
+            raise RefusedError(
+                f"{self.name} has no sample from {start or 0:g} s until {until}: it lasts {self.duration:.1f} s"
+            )
+        return replace(
+            self,
+            stamps=self.stamps[inside],
+            values=self.values[inside],
+            temperature=self.temperature.between(first, last),
+            temperature_2=self.temperature_2.between(first, last),
+            supply_voltage=self.supply_voltage.between(first, last),
+        )
+
+    def require_temperature(self) -> None:
+        """Raise RefusedError where there is no thermistor in the recording."""
+        if not len(self.temperature.stamps):
+            raise RefusedError(
+                f"{self.name} holds no thermistor sample: record /accel/temperature beside the accelerometer, "
+                "or name the topic with --remap /accel/temperature:=/your/topic"
+            )
+
+
+def present_channels(values: NDArray[np.float64], absent_groups: set[str]) -> tuple[str, ...]:
+    """Return the channels that carry something: not flagged absent, not zero throughout."""
+    return tuple(
+        channel
+        for column, channel in enumerate(CHANNELS)
+        if group_of(channel) not in absent_groups and np.any(values[:, column] != 0.0)
+    )

@@ -1,0 +1,1 @@
+"""An oven test of a simulated high-g accelerometer. Offline only."""

@@ -1,0 +1,191 @@
+"""Training: recordings in, calibration out."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from hgma_compensation import __version__
+from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration, ChannelError
+from hgma_compensation.calibration.document import with_id
+from hgma_compensation.channels import CHANNELS
+from hgma_compensation.drift.inputs import Array
+from hgma_compensation.drift.model import CalibratedRange
+from hgma_compensation.errors import RefusedError
+from hgma_compensation.kalman.settings import FilterMode
+from hgma_compensation.recording.recording import Recording
+from hgma_compensation.temperature.features import FeatureSettings, Product
+from hgma_compensation.training.blocks import Blocks, block_means, noise_of_means
+from hgma_compensation.training.filter_design import design_filter
+from hgma_compensation.training.folds import Folds, cycle_folds
+from hgma_compensation.training.genetic import GeneticSettings
+from hgma_compensation.training.methods import Method, fit_drift
+from hgma_compensation.training.reference import Reference
+from hgma_compensation.training.thermistor import feature_settings
+
+MOST_BLOCKS = 2500
+"""Means that are fitted: more make the search slower and no better, so long recordings get longer blocks."""
+
+SMALLEST_SPAN = 1.0
+"""°C of temperature change below which there is no drift to learn."""
+
+Progress = Callable[[str, int, float], None]
+"""Called with the channel, the generation and the best fitness so far."""
+
+
+@dataclass(frozen=True)
+class TrainingOptions:
+    """What the user chose. block: shortest mean that is fitted, s; filter_time_constant: s."""
+
+    method: Method = Method.RBF_GA
+    channels: tuple[str, ...] | None = None
+    reference: Reference = field(default_factory=Reference)
+    seed: int = 1
+    sensor_id: str | None = None
+    block: float = 5.0
+    delay: float = 60.0
+    product: Product = Product.DELAY
+    reference_temperature: float = 25.0
+    filter: FilterMode = FilterMode.OFF
+    filter_time_constant: float = 1.0
+    genetic: GeneticSettings = field(default_factory=GeneticSettings)
+
+
+def train(recordings: Sequence[Recording], options: TrainingOptions, progress: Progress | None = None) -> Calibration:
+    """Return a calibration fitted to all recordings together; the same seed gives the same one.
+
+    Raises RefusedError where the recordings cannot carry it.
+    """
+    channels = choose_channels(recordings, options.channels)
+    settings = feature_settings(
+        recordings,
+        delay=options.delay,
+        product=options.product,
+        reference_temperature=options.reference_temperature,
+    )
+    block = max(options.block, sum(r.duration for r in recordings) / MOST_BLOCKS)
+    blocks = block_means(recordings, channels, settings, block)
+    return train_on_blocks(blocks, recordings, channels, settings, block, options, progress)
+
+
+def train_on_blocks(
+    blocks: Blocks,
+    recordings: Sequence[Recording],
+    channels: tuple[str, ...],
+    settings: FeatureSettings,
+    block: float,
+    options: TrainingOptions,
+    progress: Progress | None = None,
+) -> Calibration:
+    """Return the calibration fitted to blocks; recordings give the sample noise and the provenance."""
+    _check_span(blocks, recordings)
+    folds = cycle_folds(blocks)
+    references = options.reference.of(channels, blocks.values)
+    fitted = []
+    for column, name in enumerate(channels):
+        target = blocks.values[:, column] - references[column]
+        error = _ChannelFit(options, blocks.features, target, folds, _seed(options.seed, name))
+        fitted.append(error.calibrate(name, float(references[column]), recordings, progress))
+    return with_id(
+        Calibration(
+            sensor_id=options.sensor_id or recordings[0].frame or "unnamed",
+            features=settings,
+            calibrated_range=CalibratedRange.of(blocks.features),
+            channels=tuple(fitted),
+            training=_provenance(recordings, options, block, folds),
+        )
+    )
+
+
+@dataclass(frozen=True)
+class _ChannelFit:
+    """One channel's part of the training."""
+
+    options: TrainingOptions
+    features: Array
+    target: Array
+    folds: Folds
+    seed: int
+
+    def calibrate(
+        self, name: str, reference: float, recordings: Sequence[Recording], progress: Progress | None
+    ) -> ChannelCalibration:
+        noise = noise_of_means(self.target)
+        fit = fit_drift(
+            self.options.method,
+            self.features,
+            self.target,
+            self.folds,
+            seed=self.seed,
+            noise=noise,
+            settings=self.options.genetic,
+            progress=None if progress is None else lambda generation, best: progress(name, generation, best),
+        )
+        residual = self.target - fit.drift.evaluate(self.features)
+        first = recordings[0]
+        stage = design_filter(
+            self.options.filter,
+            self.options.filter_time_constant,
+            first.stamps,
+            first.values[:, CHANNELS.index(name)],
+            name,
+        )
+        error = ChannelError(float(np.sqrt(np.mean(residual**2))), noise, fit.cross_validated)
+        return ChannelCalibration(name, fit.drift, reference, stage, error)
+
+
+def choose_channels(recordings: Sequence[Recording], wanted: tuple[str, ...] | None) -> tuple[str, ...]:
+    """Return the channels to train: those wanted, or all that every recording has.
+
+    Raises RefusedError for a channel that a recording lacks.
+    """
+    common = tuple(c for c in CHANNELS if all(c in recording.present for recording in recordings))
+    if wanted is None:
+        if not common:
+            raise RefusedError("the recordings have no channel in common: every channel is zero or declared absent")
+        return common
+    for channel in wanted:
+        for recording in recordings:
+            if channel not in recording.present:
+                held = ", ".join(recording.present) or "none"
+                raise RefusedError(f"{recording.name} has no channel {channel} (it has {held}): change --channels")
+    return wanted
+
+
+def _seed(seed: int, channel: str) -> int:
+    """Return a seed of its own for each channel, the same whichever others are trained beside it."""
+    return int(np.random.SeedSequence([seed, CHANNELS.index(channel)]).generate_state(1)[0])
+
+
+def _check_span(blocks: Blocks, recordings: Sequence[Recording]) -> None:
+    span = float(np.ptp(blocks.features[:, 0]))
+    if span < SMALLEST_SPAN:
+        names = ", ".join(recording.name for recording in recordings)
+        raise RefusedError(
+            f"{names}: the temperature changes by {span:.2g} °C only, there is no drift to learn: "
+            "record over the range that the sensor will see"
+        )
+
+
+def _provenance(
+    recordings: Sequence[Recording], options: TrainingOptions, block: float, folds: Folds
+) -> dict[str, Any]:
+    """Return what the file says of the training; no clock in it, so that equal training gives an equal id."""
+    return {
+        "tool": f"hgma_compensation {__version__}",
+        "method": options.method.value,
+        "seed": options.seed,
+        "block": block,
+        "reference": str(options.reference),
+        "folds": f"{folds.count} folds of {folds.kind}",
+        "recordings": [
+            {
+                "name": recording.name,
+                "start": recording.start,
+                "duration": recording.duration,
+                "samples": len(recording.stamps),
+            }
+            for recording in recordings
+        ],
+    }

@@ -1,0 +1,39 @@
+"""Starts compensation_node with topics remapped to a robot's own."""
+
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import LifecycleNode
+from launch_ros.parameter_descriptions import ParameterValue
+
+from launch import LaunchDescription
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Return the node and its arguments."""
+    arguments = {
+        "calibration_file": ("", "Calibration written by hgma train"),
+        "namespace": ("", "Namespace of the node and its topics"),
+        "raw": ("accel/raw", "Topic of the raw sensor_msgs/Imu"),
+        "temperature": ("accel/temperature", "Topic of the thermistor's sensor_msgs/Temperature"),
+        "compensated": ("accel/compensated", "Topic of the compensated sensor_msgs/Imu"),
+        "use_sim_time": ("false", "Follow /clock"),
+    }
+    node = LifecycleNode(
+        package="hgma_compensation",
+        executable="compensation_node",
+        name="compensation_node",
+        namespace=LaunchConfiguration("namespace"),
+        output="screen",
+        parameters=[
+            {
+                "calibration_file": ParameterValue(LaunchConfiguration("calibration_file"), value_type=str),
+                "use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool),
+            }
+        ],
+        remappings=[(f"accel/{name}", LaunchConfiguration(name)) for name in ("raw", "temperature", "compensated")],
+    )
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=text)
+        for name, (default, text) in arguments.items()
+    ]
+    return LaunchDescription([*declared, node])
