@@ -1,0 +1,1 @@
+"""Tables and timings, each printed by a make target; nothing here is installed."""

@@ -7,6 +7,7 @@ dependencies. The tests compare its verdicts with the jsonschema package.
 
 import json
 import re
+import sys
 from collections.abc import Iterable
 from functools import cache
 from importlib import resources
@@ -169,11 +170,12 @@ def _show(value: object) -> str:
 
 
 def find_non_finite(document: object) -> str | None:
-    """Return the path of the first number that is NaN or infinite, None where there is none."""
+    """Return the path of the first number that no float64 can hold, None where there is none."""
     stack: list[tuple[str, object]] = [("", document)]
     while stack:
         path, value = stack.pop()
-        if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
+        # An integer beyond the floats would overflow later; the negated comparison catches NaN too.
+        if isinstance(value, (int, float)) and not abs(value) <= sys.float_info.max:
             return path
         children: Iterable[tuple[str, object]] = ()
         if isinstance(value, dict):

@@ -1,10 +1,13 @@
 """Fixtures of all tests."""
 
+from pathlib import Path
+
 import pytest
 from builders import make_calibration
 from hypothesis import settings
 
 from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.calibration.document import write_calibration
 
 # The same examples on every run and no deadline: a test's verdict must not depend on the machine.
 settings.register_profile("repeatable", derandomize=True, deadline=None, print_blob=True)
@@ -15,3 +18,10 @@ settings.load_profile("repeatable")
 def calibration() -> Calibration:
     """Return a valid calibration: three channels, networks, no filter."""
     return make_calibration()
+
+
+@pytest.fixture
+def calibration_file(calibration: Calibration, tmp_path: Path) -> Path:
+    """Return the path of that calibration's file, alone in its folder."""
+    write_calibration(calibration, tmp_path / "sensor.json")
+    return tmp_path / "sensor.json"

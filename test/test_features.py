@@ -95,6 +95,16 @@ def test_product_on_a_ramp_is_temperature_times_rate_times_delay():
     np.testing.assert_allclose(features.values, expected, rtol=0.0, atol=1e-9)
 
 
+def test_delayed_temperature_is_what_was_read_that_long_ago():
+    settings, random = FeatureSettings(NOISE, delay=20.0, latency=1.0), np.random.default_rng(20190725)
+    track = TemperatureTrack(NOISE)
+    track.extend(make_stamps(np.arange(0.0, 100.0, 0.7)), 20.0 + random.standard_normal(143))
+    at = make_stamps(np.arange(30.0, 100.0, 0.13))
+    now = read_features(track, settings, at).values
+    earlier = read_features(track, settings, at - 20 * NANOSECONDS).values
+    np.testing.assert_array_equal(now[:, 2], now[:, 0] * (now[:, 0] - earlier[:, 0]))
+
+
 def test_product_with_reference_is_the_papers():
     settings = FeatureSettings(NOISE, Product.REFERENCE, reference_temperature=25.0)
     values = read_features(ramp(0.05, 500.0), settings, make_stamps(np.arange(1.0, 500.0, 0.7))).values

@@ -71,7 +71,10 @@ def parse_calibration(content: bytes) -> Calibration:
 
 
 def _check_id(document: Document) -> None:
-    actual = content_id(document)
+    try:
+        actual = content_id(document)
+    except RecursionError:
+        raise RefusedError("training is nested too deeply: the file is damaged") from None
     if document["calibration_id"] != actual:
         raise RefusedError(
             f"calibration_id is {document['calibration_id']}, the content has {actual}: "
@@ -85,13 +88,18 @@ def _read_bytes(path: Path) -> bytes:
         descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
     except OSError as error:
         raise RefusedError(f"cannot be opened ({error.strerror}): check the path and its permissions") from None
-    with os.fdopen(descriptor, "rb") as file:
-        status = os.fstat(file.fileno())
+    try:
+        status = os.fstat(descriptor)
         if not stat.S_ISREG(status.st_mode):
             raise RefusedError("is not a regular file: give the JSON file written by hgma train")
         if status.st_size > LARGEST_FILE:
             raise RefusedError(f"has {status.st_size} bytes, more than {LARGEST_FILE}: this is not a calibration")
-        return file.read(LARGEST_FILE)
+        with os.fdopen(descriptor, "rb", closefd=False) as file:
+            return file.read(LARGEST_FILE)
+    except OSError as error:
+        raise RefusedError(f"cannot be read ({error.strerror}): copy it again") from None
+    finally:
+        os.close(descriptor)
 
 
 def _parse_json(content: bytes) -> Any:

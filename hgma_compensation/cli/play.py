@@ -1,5 +1,6 @@
 """``hgma play``."""
 
+import signal
 from pathlib import Path
 
 import click
@@ -38,13 +39,16 @@ def command(
     """Publish a recording to ROS, each message with the content and stamp it was recorded with."""
     try:
         import rclpy  # only this command and the node need ROS
+        from rclpy.signals import SignalHandlerOptions
 
         from hgma_compensation.node.player import Player, PlayOptions
     except ImportError as error:
         raise RefusedError(f"rclpy is not installed ({error}): run make, or source your ROS 2 workspace") from error
     with open_bag(bag) as reader:
         total = reader.message_count
-    rclpy.init(args=[])
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # Python's handlers interrupt the sleep between two messages; rclpy's race with its own shutdown.
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("hgma_player")
     try:
         with counting_bar("playing", None if loop else total) as advance:

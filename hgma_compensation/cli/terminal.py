@@ -31,7 +31,7 @@ def progress_bar(text: str, total: float | None = None) -> Iterator[tuple[Progre
         TextColumn("{task.percentage:>3.0f} %"),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=_errors, transient=True) as progress:
+    with Progress(*columns, console=_errors, transient=True, disable=not _errors.is_terminal) as progress:
         yield progress, progress.add_task(text, total=total)
 
 

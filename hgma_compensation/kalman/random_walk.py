@@ -45,19 +45,20 @@ class RandomWalkFilter:
         """Forget every sample."""
         self._estimate: float | None = None
         self._variance: float | None = None
-        self._last = 0
+        self._newest = 0
 
     def run(self, stamps: Stamps, measured: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return (estimates, innovations), each (n,), of finite measurements (n,) at stamps (ns)."""
         if not len(stamps):
             return np.empty(0), np.empty(0)
-        first = stamps[0] if self._estimate is None else self._last
-        previous = np.concatenate([[first], stamps[:-1]])
-        steps = seconds_between(stamps, previous).tolist()
+        first = stamps[0] if self._estimate is None else self._newest
+        # A late sample does not turn the clock back for those after it.
+        newest = np.maximum.accumulate(np.concatenate([[first], stamps]))
+        steps = seconds_between(stamps, newest[:-1]).tolist()
         estimates, innovations = np.empty(len(stamps)), np.empty(len(stamps))
         for k, (dt, z) in enumerate(zip(steps, measured.tolist(), strict=True)):
             estimates[k], innovations[k] = self._step(dt, z)
-        self._last = int(stamps[-1])
+        self._newest = int(newest[-1])
         return estimates, innovations
 
     def _step(self, dt: float, z: float) -> tuple[float, float]:

@@ -59,7 +59,10 @@ class CompensationNode(LifecycleNode):
 
     def start(self) -> None:
         """Configure and activate, unless the parameter autostart is false."""
-        if not self._autostart or self._state != "unconfigured":
+        if self._state != "unconfigured":
+            return
+        if not self._autostart:
+            self.get_logger().info("waiting to be configured: autostart is false")
             return
         if self.trigger_configure() is TransitionCallbackReturn.SUCCESS:
             self.trigger_activate()

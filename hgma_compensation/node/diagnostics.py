@@ -33,34 +33,32 @@ class DiagnosticReport:
         fresh = {name: count - self._reported.get(name, 0) for name, count in live.counts.items()}
         rate = (live.received - self._received) / elapsed if elapsed > 0.0 else 0.0
         self._reported, self._received = dict(live.counts), live.received
-        level, message = self._verdict(live, state, refusal, {n: c for n, c in fresh.items() if c})
+        error, problems = self._problems(live, state, refusal, {n: c for n, c in fresh.items() if c})
+        level = DiagnosticStatus.ERROR if error else DiagnosticStatus.WARN if problems else DiagnosticStatus.OK
         return DiagnosticStatus(
             level=level,
             name=self._name,
-            message=message,
+            message="; ".join(problems) or "compensating",
             hardware_id=live.calibration.sensor_id if live.calibration else "",
             values=[KeyValue(key=key, value=value) for key, value in self._values(live, state, refusal, rate)],
         )
 
-    def _verdict(self, live: LiveCompensation, state: str, refusal: str, fresh: dict[str, int]) -> tuple[bytes, str]:
+    def _problems(
+        self, live: LiveCompensation, state: str, refusal: str, fresh: dict[str, int]
+    ) -> tuple[bool, list[str]]:
+        """Return whether there is no output at all, and each problem with its remedy, the worst first."""
         if live.calibration is None:
-            return DiagnosticStatus.ERROR, refusal or f"no calibration: {REMEDIES[Skip.NO_CALIBRATION.value]}"
+            return True, [refusal or f"no calibration: {REMEDIES[Skip.NO_CALIBRATION.value]}"]
         if state != "active":
-            return DiagnosticStatus.WARN, f"the node is {state}: {REMEDIES[Skip.NOT_ACTIVE.value]}"
-        if fresh:
-            name = max(fresh, key=lambda key: fresh[key])
-            return DiagnosticStatus.WARN, f"{name} ({fresh[name]} in the last second): {REMEDIES[name]}"
+            return False, [f"the node is {state}: {REMEDIES[Skip.NOT_ACTIVE.value]}"]
+        problems = [f"the new calibration was refused, the old one is used: {refusal}"] if refusal else []
+        for name, count in sorted(fresh.items(), key=lambda item: -item[1]):
+            problems.append(f"{name} ({count} since the last report): {REMEDIES[name]}")
         if live.last_result is None:
-            return DiagnosticStatus.WARN, "no acceleration yet: check the topic accel/raw"
-        status = TemperatureStatus(int(live.last_result.compensated.status[-1]))
-        if status is not TemperatureStatus.OK:
-            return DiagnosticStatus.WARN, TEMPERATURE_ADVICE[status]
-        if refusal:
-            return (
-                DiagnosticStatus.WARN,
-                f"compensating under the old calibration, the new one was refused: {refusal}",
-            )
-        return DiagnosticStatus.OK, "compensating"
+            problems.append("no acceleration yet: check the topic accel/raw")
+        elif (status := TemperatureStatus(int(live.last_result.compensated.status[-1]))) in TEMPERATURE_ADVICE:
+            problems.append(TEMPERATURE_ADVICE[status])
+        return False, problems
 
     def _values(self, live: LiveCompensation, state: str, refusal: str, rate: float) -> list[tuple[str, str]]:
         values = [

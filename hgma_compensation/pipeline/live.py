@@ -12,7 +12,7 @@ from hgma_compensation.channels import columns_of
 from hgma_compensation.pipeline.pipeline import Compensated, Pipeline
 from hgma_compensation.pipeline.reasons import Note, Skip
 from hgma_compensation.stamps import Stamps, to_nanoseconds
-from hgma_compensation.temperature.track import TIME_JUMP, Sample
+from hgma_compensation.temperature.track import Sample
 
 REMEMBERED = 4096
 """Thermistor samples kept to warm up the features of a calibration that is swapped in: an hour at 1 Hz."""
@@ -97,10 +97,11 @@ class LiveCompensation:
         if not np.isfinite(wanted).all():
             self._skip(Skip.NOT_FINITE, len(stamps))
             return None
-        if self._last_acceleration is not None and stamps[0] < self._last_acceleration - TIME_JUMP:
-            self.counts[Note.TIME_JUMPED_BACK.value] += 1
-        self._last_acceleration = int(stamps[-1])
+        jumps = self._pipeline.jumps_back
         self.last_result = LiveResult(calibration, self._pipeline.compensate(stamps, wanted))
+        if self._pipeline.jumps_back > jumps:
+            self.counts[Note.TIME_JUMPED_BACK.value] += self._pipeline.jumps_back - jumps
+        self._last_acceleration = int(stamps[-1])
         self.compensated += len(stamps)
         return self.last_result
 

@@ -1,7 +1,7 @@
 """Raw acceleration and thermistor in, compensated acceleration out: sample by sample or in bulk."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,7 @@ class Pipeline:
     """State of one sensor's compensation under one calibration.
 
     Thermistor and accelerometer samples may be given in any interleaving; results are decided by
-    stamps. Not thread-safe.
+    stamps. jumps_back counts the times at which the accelerometer's stamps began anew. Not thread-safe.
     """
 
     def __init__(self, calibration: Calibration, *, live: bool = False) -> None:
@@ -53,7 +53,8 @@ class Pipeline:
             None if channel.filter.noise is None else RandomWalkFilter(channel.filter.noise)
             for channel in calibration.channels
         ]
-        self._last: int | None = None
+        self._newest: int | None = None
+        self.jumps_back = 0
 
     def reset(self) -> None:
         """Forget thermistor history and filter states; the calibration stays."""
@@ -61,7 +62,7 @@ class Pipeline:
         self._reset_filters()
 
     def _reset_filters(self) -> None:
-        self._last = None
+        self._newest = None
         for stage in self._filters:
             if stage is not None:
                 stage.reset()
@@ -97,8 +98,8 @@ class Pipeline:
         drift = self._drift(known)
         corrected = values - drift
         innovation = np.zeros_like(corrected)
-        for segment in self._segments(stamps):
-            self._filter(stamps[segment], corrected[segment], innovation[segment])
+        for stretch in self._stretches(stamps):
+            self._filter(stamps[stretch], corrected[stretch], innovation[stretch])
         inside = calibration.calibrated_range.contains(features.values)
         return Compensated(corrected, drift, innovation, known, inside, status)
 
@@ -107,17 +108,24 @@ class Pipeline:
         clamped = self.calibration.calibrated_range.clamp(features)
         return np.stack([channel.drift.evaluate(clamped) for channel in self.calibration.channels], axis=1)
 
-    def _segments(self, stamps: Stamps) -> list[slice]:
-        """Return the stretches between jumps back in time."""
-        starts = 1 + np.flatnonzero(stamps[1:] < stamps[:-1] - TIME_JUMP)
-        edges = [0, *starts.tolist(), len(stamps)]
-        return [slice(a, b) for a, b in pairwise(edges) if a < b]
+    def _stretches(self, stamps: Stamps) -> Iterator[slice]:
+        """Yield the stretches between jumps back in time; at each jump the filters begin anew."""
+        start = 0
+        while start < len(stamps):
+            before = stamps[start] if self._newest is None else self._newest
+            newest = np.maximum.accumulate(np.concatenate([[before], stamps[start:]]))
+            jumps = np.flatnonzero(stamps[start:] < newest[:-1] - TIME_JUMP)
+            stop = start + int(jumps[0]) if len(jumps) else len(stamps)
+            self._newest = int(newest[stop - start])
+            if stop > start:
+                yield slice(start, stop)
+            if stop < len(stamps):
+                self.jumps_back += 1
+                self._reset_filters()
+            start = stop
 
     def _filter(self, stamps: Stamps, corrected: NDArray[np.float64], innovation: NDArray[np.float64]) -> None:
         """Run the Kalman stage in place over one stretch (m, c)."""
-        if self._last is not None and stamps[0] < self._last - TIME_JUMP:
-            self._reset_filters()
-        self._last = int(stamps[-1])
         for column, stage in enumerate(self._filters):
             if stage is not None:
                 corrected[:, column], innovation[:, column] = stage.run(stamps, corrected[:, column])

@@ -2,7 +2,8 @@
 
 A reading at stamp t uses the newest update whose stamp is at most t - latency and predicts from it.
 It depends on stamps alone, never on the order in which messages arrived, so a batch and a stream
-give the same bits as long as a thermistor sample arrives within the latency.
+give the same bits as long as a thermistor sample arrives within the latency. Only the first sample
+is used from its own stamp on: until there is a second, it is all that is known.
 """
 
 from collections import Counter

@@ -14,9 +14,8 @@ import numpy as np
 from pymoo.algorithms.soo.nonconvex.ga import GA
 from pymoo.core.callback import Callback
 from pymoo.core.problem import Problem
-from pymoo.core.termination import TerminateIfAny
+from pymoo.core.termination import TerminateIfAny, Termination
 from pymoo.optimize import minimize
-from pymoo.termination.fmin import MinimumFunctionValueTermination
 from pymoo.termination.max_gen import MaximumGenerationTermination
 
 from hgma_compensation.drift.inputs import Array, InputScaling
@@ -85,6 +84,17 @@ class _Candidates(Problem):
         out["F"] = cross_validated_rms(basis(self._inputs, centres, widths), self._target, penalty, self._folds.index)
 
 
+class _Reached(Termination):
+    """Step five of the paper: stop at fitness < δ; pymoo's own divides by δ, which may be 0."""
+
+    def __init__(self, delta: float) -> None:
+        super().__init__()
+        self._delta = delta
+
+    def _update(self, algorithm: GA) -> float:
+        return float(algorithm.opt[0].F[0] <= self._delta)
+
+
 class _Report(Callback):
     def __init__(self, progress: Progress | None, unit: float) -> None:
         super().__init__()
@@ -113,9 +123,7 @@ def search_network(
     scaling, unit = InputScaling.of(features), float(target.std()) or 1.0
     inputs, scaled = scaling.apply(features), target / unit
     problem = _Candidates(inputs, scaled, folds, settings)
-    stop = TerminateIfAny(
-        MaximumGenerationTermination(settings.generations), MinimumFunctionValueTermination(stop_at / unit)
-    )
+    stop = TerminateIfAny(MaximumGenerationTermination(settings.generations), _Reached(stop_at / unit))
     found = minimize(
         problem,
         GA(pop_size=settings.population),

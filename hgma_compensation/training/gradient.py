@@ -20,7 +20,7 @@ def train_by_gradient(features: Array, target: Array, *, seed: int, centres: int
     """Return the network for features (n, d) and drift (n,); the same seed gives the same network."""
     scaling = InputScaling.of(features)
     inputs = scaling.apply(features)
-    middle, _ = kmeans2(inputs, centres, minit="++", rng=np.random.default_rng(seed))
+    middle, _ = kmeans2(inputs, centres, minit="++", seed=np.random.default_rng(seed))
     distances = np.linalg.norm(middle[:, None] - middle[None], axis=2)
     widths = np.full(middle.shape, max(float(distances.max()), 1e-6) / np.sqrt(2.0 * centres))
     columns = basis(inputs, middle, widths)[:, : centres + 1]

@@ -40,7 +40,8 @@ class Reference:
         one for each channel. Raises RefusedError where the numbers do not fit.
         """
         if not self.numbers:
-            return np.asarray(np.nanmean(np.where(np.isfinite(values), values, np.nan), axis=0))
+            # Column by column: a sum over rows would round differently for another set of channels.
+            return np.array([np.mean(column[np.isfinite(column)]) for column in values.T])
         if len(self.numbers) == 1:
             return np.full(len(channels), self.numbers[0])
         if len(self.numbers) == len(AXES) and all(group_of(c) == GROUPS[0] for c in channels):

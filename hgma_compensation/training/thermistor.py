@@ -52,7 +52,7 @@ def feature_settings(
 
 
 def usable(series: Series) -> Series:
-    """Return the samples that the trend filter would take: plausible numbers at increasing stamps."""
+    """Return the plausible samples whose stamps exceed all before them; a recording is taken as one run."""
     good = (series.values >= PLAUSIBLE_CELSIUS[0]) & (series.values <= PLAUSIBLE_CELSIUS[1])
     stamps, values = series.stamps[good], series.values[good]
     if not len(stamps):

@@ -1,0 +1,196 @@
+import contextlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from builders import make_calibration, make_recording
+
+from hgma_compensation import topics
+from hgma_compensation.errors import RefusedError
+from hgma_compensation.messages import stamp_of
+from hgma_compensation.recording import typestore as types
+from hgma_compensation.recording.bag_reader import open_bag, read_messages, read_recording
+from hgma_compensation.recording.bag_writer import Storage, new_bag, write_recording
+from hgma_compensation.recording.compensated_bag import compensate_recording, write_compensated
+from hgma_compensation.recording.recording import Series
+
+RECORDING = make_recording(duration_s=20.0, accel_rate=10.0, thermistor_rate=2.0, cycles=1.0, name="bag")
+
+
+def messages(path, topic):
+    with open_bag(path) as reader:
+        connections = [c for c in reader.connections if c.topic == topic]
+        return [reader.deserialize(raw, c.msgtype) for c, _, raw in read_messages(reader, path, connections)]
+
+
+def assert_same(one, other):
+    np.testing.assert_array_equal(one.stamps, other.stamps)
+    np.testing.assert_array_equal(one.values, other.values)
+    for name in ("temperature", "temperature_2", "supply_voltage"):
+        np.testing.assert_array_equal(getattr(one, name).stamps, getattr(other, name).stamps)
+        np.testing.assert_array_equal(getattr(one, name).values, getattr(other, name).values)
+    assert one.present == other.present
+    assert one.frame == other.frame
+
+
+@pytest.mark.parametrize("storage", list(Storage))
+def test_a_recording_survives_a_bag_bit_for_bit(tmp_path, storage):
+    full = replace(RECORDING, temperature_2=RECORDING.temperature, supply_voltage=RECORDING.temperature)
+    write_recording(full, tmp_path / "bag", storage)
+    assert_same(read_recording(tmp_path / "bag"), full)
+
+
+def test_the_same_recording_gives_the_same_bytes(tmp_path):
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        write_recording(RECORDING, tmp_path / folder / "bag")
+    one, other = (sorted((tmp_path / folder / "bag").iterdir()) for folder in ("a", "b"))
+    assert [p.name for p in one] == [p.name for p in other] == ["bag.mcap", "metadata.yaml"]
+    assert [p.read_bytes() for p in one] == [p.read_bytes() for p in other]
+
+
+def test_channels_that_are_zero_or_declared_absent_are_not_present(tmp_path):
+    only_z = make_recording(duration_s=5.0, channels=("linear_acceleration.z",))
+    write_recording(only_z, tmp_path / "bag")
+    assert read_recording(tmp_path / "bag").present == ("linear_acceleration.z",)
+    message = messages(tmp_path / "bag", "/accel/raw")[0]
+    assert message.angular_velocity_covariance[0] == message.orientation_covariance[0] == -1.0
+    assert not message.linear_acceleration_covariance.any()
+
+
+def test_topics_are_found_under_other_names(tmp_path):
+    with new_bag(tmp_path / "bag") as bag:
+        imu, temperature = bag.topic("/imu/data_raw", types.IMU), bag.topic("/imu/temp", types.TEMPERATURE)
+        write_recording(RECORDING, tmp_path / "plain")
+        for message in messages(tmp_path / "plain", "/accel/raw"):
+            bag.write(imu, stamp_of(message), message)
+        for message in messages(tmp_path / "plain", "/accel/temperature"):
+            bag.write(temperature, stamp_of(message), message)
+    with pytest.raises(RefusedError, match=r"/imu/data_raw, /imu/temp.*--remap"):
+        read_recording(tmp_path / "bag")
+    with pytest.raises(RefusedError, match=r"is a sensor_msgs/msg/Temperature, must be sensor_msgs/msg/Imu"):
+        read_recording(tmp_path / "bag", topics.TopicNames(["/accel/raw:=/imu/temp"]))
+    names = topics.TopicNames(["/accel/raw:=/imu/data_raw", "/imu/temp:=/accel/temperature"])
+    assert_same(read_recording(tmp_path / "bag", names), RECORDING)
+
+
+@pytest.mark.parametrize("rule", ["nonsense", "/a:=/b", "/accel/raw:="])
+def test_a_remapping_without_a_topic_of_the_node_is_refused(rule):
+    with pytest.raises(RefusedError, match="--remap"):
+        topics.TopicNames([rule])
+
+
+def test_blocks_are_read_as_samples_and_compensated_as_blocks(tmp_path):
+    count, interval = 50, 0.1
+    with new_bag(tmp_path / "bag") as bag:
+        block = bag.topic("/accel/raw_block", types.ACCEL_BLOCK)
+        temperature = bag.topic("/accel/temperature", types.TEMPERATURE)
+        for start in range(0, len(RECORDING.stamps), count):
+            stamp = int(RECORDING.stamps[start])
+            axes = RECORDING.values[start : start + count, :3].astype(np.float32).T
+            message = bag.typestore.types[types.ACCEL_BLOCK](bag.header(stamp, "imu_link"), interval, *axes.copy())
+            bag.write(block, stamp, message)
+        for message in _temperatures(tmp_path):
+            bag.write(temperature, stamp_of(message), message)
+    recording = read_recording(tmp_path / "bag")
+    np.testing.assert_array_equal(recording.stamps, RECORDING.stamps)
+    np.testing.assert_array_equal(recording.values[:, :3], RECORDING.values[:, :3].astype(np.float32))
+    result = write_compensated(
+        tmp_path / "bag", recording, make_calibration(), tmp_path / "out", names=topics.TopicNames()
+    )
+    blocks = messages(tmp_path / "out", "/accel/compensated_block")
+    z = np.concatenate([message.z for message in blocks])
+    np.testing.assert_array_equal(z, result.values[:, 2].astype(np.float32))
+    assert [len(message.x) for message in blocks] == [count] * 4
+
+
+def _temperatures(tmp_path):
+    write_recording(RECORDING, tmp_path / "temperatures")
+    return messages(tmp_path / "temperatures", "/accel/temperature")
+
+
+def test_a_compensated_bag_holds_the_inputs_and_outputs_with_other_fields_untouched(tmp_path):
+    write_recording(RECORDING, tmp_path / "in")
+    calibration = make_calibration(channels=("linear_acceleration.z",))
+    recording = read_recording(tmp_path / "in")
+    write_compensated(tmp_path / "in", recording, calibration, tmp_path / "out", names=topics.TopicNames())
+    raw, compensated = (messages(tmp_path / "out", f"/accel/{name}") for name in ("raw", "compensated"))
+    state = messages(tmp_path / "out", "/accel/state")
+    expected = compensate_recording(RECORDING, calibration)
+    assert len(raw) == len(compensated) == len(state) == len(RECORDING.stamps)
+    assert [m.linear_acceleration.z for m in compensated] == expected.values[:, 0].tolist()
+    assert [m.drift.tolist() for m in state] == expected.drift.tolist()
+    assert {m.calibration_id for m in state} == {calibration.calibration_id}
+    for before, after in zip(raw, compensated, strict=True):
+        after.linear_acceleration.z = before.linear_acceleration.z
+        assert bag_bytes(before) == bag_bytes(after)
+    assert len(messages(tmp_path / "out", "/accel/temperature")) == len(RECORDING.temperature.stamps)
+
+
+def bag_bytes(message):
+    return bytes(types.typestore().serialize_cdr(message, types.IMU))
+
+
+def test_samples_that_are_not_finite_are_left_out_of_the_output(tmp_path):
+    values = RECORDING.values.copy()
+    values[[7, 8], 0] = np.nan, np.inf
+    write_recording(replace(RECORDING, values=values), tmp_path / "in")
+    recording = read_recording(tmp_path / "in")
+    write_compensated(tmp_path / "in", recording, make_calibration(), tmp_path / "out", names=topics.TopicNames())
+    stamps = [stamp_of(message) for message in messages(tmp_path / "out", "/accel/compensated")]
+    assert stamps == np.delete(RECORDING.stamps, [7, 8]).tolist()
+
+
+def test_a_bag_that_cannot_be_read_is_refused_with_its_name(tmp_path):
+    with pytest.raises(RefusedError, match="missing does not exist"):
+        read_recording(tmp_path / "missing")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(RefusedError, match=r"no metadata.yaml.*reindex"):
+        read_recording(tmp_path / "empty")
+    (tmp_path / "text.mcap").write_text("not a bag")
+    with pytest.raises(RefusedError, match=r"text.mcap"):
+        read_recording(tmp_path / "text.mcap")
+
+
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.9, 0.99])
+@pytest.mark.parametrize("storage", list(Storage))
+def test_a_truncated_bag_is_refused_or_read_in_part_but_never_a_traceback(tmp_path, storage, share):
+    write_recording(RECORDING, tmp_path / "bag", storage)
+    file = next(p for p in (tmp_path / "bag").iterdir() if p.name != "metadata.yaml")
+    content = file.read_bytes()
+    file.write_bytes(content[: int(len(content) * share)])
+    samples = 0
+    with contextlib.suppress(RefusedError):  # any other exception would be a traceback for a damaged file
+        samples = len(read_recording(tmp_path / "bag").stamps)
+    assert samples < len(RECORDING.stamps)
+
+
+def test_nothing_is_overwritten_and_nothing_half_written_is_left(tmp_path):
+    write_recording(RECORDING, tmp_path / "bag")
+    with pytest.raises(RefusedError, match="exists"):
+        write_recording(RECORDING, tmp_path / "bag")
+    with pytest.raises(RefusedError, match="no directory"):
+        write_recording(RECORDING, tmp_path / "nowhere" / "bag")
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    long = make_recording(duration_s=100.0, accel_rate=20.0)
+    with pytest.raises(KeyboardInterrupt):
+        write_recording(long, tmp_path / "interrupted", progress=interrupt)
+    assert [path.name for path in tmp_path.iterdir()] == ["bag"]
+
+
+def test_a_part_is_cut_out_by_time_from_the_start():
+    part = RECORDING.cut(5.0, 10.0)
+    assert part.stamps[0] == RECORDING.stamps[50]
+    assert part.stamps[-1] == RECORDING.stamps[99]
+    assert part.temperature.stamps[0] == RECORDING.temperature.stamps[10]
+    assert len(part.temperature.stamps) == 10
+    with pytest.raises(RefusedError, match="no sample from 100 s"):
+        RECORDING.cut(100.0, None)
+
+
+def test_a_recording_without_thermistor_says_which_topic_is_missing():
+    with pytest.raises(RefusedError, match=r"/accel/temperature"):
+        replace(RECORDING, temperature=Series.empty()).require_temperature()

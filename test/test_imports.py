@@ -1,0 +1,30 @@
+import json
+import subprocess
+import sys
+
+import pytest
+
+OFFLINE = {"rosbags", "pymoo", "matplotlib", "allantools", "sklearn", "click", "rich"}
+ROS = {"rclpy", "sensor_msgs", "hgma_msgs"}
+
+
+def modules_after(statement):
+    code = f"import sys, json\n{statement}\nprint(json.dumps(sorted({{name.split('.')[0] for name in sys.modules}})))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+@pytest.mark.parametrize(
+    "module",
+    ["pipeline.live", "pipeline.state_fields", "calibration.document", "training.train", "evaluation.evaluate"],
+)
+def test_arithmetic_knows_no_ros(module):
+    assert not modules_after(f"import hgma_compensation.{module}") & ROS
+
+
+def test_the_node_needs_nothing_of_the_offline_tools():
+    assert not modules_after("import hgma_compensation.node.main") & OFFLINE
+
+
+def test_the_command_imports_only_what_is_called():
+    assert not modules_after("import hgma_compensation.cli.main") & ((OFFLINE - {"click"}) | ROS)

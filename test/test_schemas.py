@@ -1,0 +1,59 @@
+import pytest
+from builders import make_calibration
+from jsonschema import Draft202012Validator
+
+from hgma_compensation.calibration.encoding import encode
+from hgma_compensation.kalman.settings import FilterMode
+from hgma_compensation.schema_check import check, find_non_finite, load_schema
+from hgma_compensation.temperature.features import Product
+
+CALIBRATION = load_schema("hgma_compensation.calibration", "calibration.schema.json")
+SCENARIO = load_schema("hgma_compensation.simulation", "scenario.schema.json")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"method": "polynomial"}, {"mode": FilterMode.SMOOTH}, {"product": Product.REFERENCE}],
+)
+def test_what_is_written_is_accepted(options):
+    calibration = make_calibration(**options)
+    document = {**encode(calibration), "calibration_id": calibration.calibration_id}
+    check(document, CALIBRATION)
+    Draft202012Validator(CALIBRATION).validate(document)
+
+
+@pytest.mark.parametrize("schema", [CALIBRATION, SCENARIO])
+def test_published_schemas_are_valid(schema):
+    Draft202012Validator.check_schema(schema)
+
+
+def keywords(schema):
+    """Yield every keyword of a schema, and nothing that is only the name of a property."""
+    for name, value in schema.items():
+        if name in ("properties", "$defs"):
+            for sub in value.values():
+                yield from keywords(sub)
+            continue
+        yield name
+        for sub in value if name == "oneOf" else [value] if name == "items" else []:
+            yield from keywords(sub)
+
+
+@pytest.mark.parametrize("schema", [CALIBRATION, SCENARIO])
+def test_published_schemas_use_only_what_is_interpreted(schema):
+    interpreted = {"$ref", "oneOf", "const", "enum", "type", "required", "additionalProperties", "minItems", "maxItems"}
+    interpreted |= {"items", "minLength", "maxLength", "pattern", "minimum", "maximum", "exclusiveMinimum"}
+    assert set(keywords(schema)) - {"$schema", "title", "description"} <= interpreted
+
+
+@pytest.mark.parametrize(
+    ("document", "path"),
+    [
+        ({"a": [1.0, {"b": float("inf")}]}, "a[1].b"),
+        ([float("nan")], "[0]"),
+        ({"a": float("-inf"), "b": float("nan")}, "a"),
+        ({"a": [1e308, -1, True, None, "NaN"]}, None),
+    ],
+)
+def test_first_number_that_is_not_finite_is_found(document, path):
+    assert find_non_finite(document) == path
