@@ -16,7 +16,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_PREFER_BINARY := 1
 
-.PHONY: setup demo test lint types chamber-table clean FORCE
+.PHONY: setup demo test lint types chamber-table chamber-sensitivity clean FORCE
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.messages
@@ -37,6 +37,10 @@ types: setup
 # The error of every method on the measured chamber recording, five seeds.
 chamber-table: setup
 	$(RUN) -m benchmarks.chamber_table
+
+# The same for settings of the genetic search beside the defaults.
+chamber-sensitivity: setup
+	$(RUN) -m benchmarks.chamber_table --sensitivity
 
 clean:
 	rm -rf $(VENV) build dist install log demo_output *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

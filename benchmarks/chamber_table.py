@@ -9,7 +9,7 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,7 @@ from hgma_compensation.recording.recording import Recording
 from hgma_compensation.temperature.features import FeatureSettings, Product, read_features
 from hgma_compensation.temperature.track import TemperatureTrack
 from hgma_compensation.training.blocks import Blocks, block_means, group_means, noise_of_means
+from hgma_compensation.training.genetic import GeneticSettings
 from hgma_compensation.training.methods import Method
 from hgma_compensation.training.thermistor import feature_settings
 from hgma_compensation.training.train import TrainingOptions, train_on_blocks
@@ -36,6 +37,18 @@ OUTLIERS = 5
 """Rows at the start of the file that are a start-up outlier, as its description says."""
 
 BLOCK = 5.0
+DEFAULTS = GeneticSettings()
+VARIANTS = {
+    "defaults": DEFAULTS,
+    "6 centres": replace(DEFAULTS, centres=6),
+    "12 centres": replace(DEFAULTS, centres=12),
+    "100 generations": replace(DEFAULTS, generations=100),
+    "400 generations": replace(DEFAULTS, generations=400),
+    "widths of the rate inputs from 1": replace(DEFAULTS, widths=(DEFAULTS.widths[0], (1.0, 20.0), (1.0, 20.0))),
+    "widths of the rate inputs from 3": replace(DEFAULTS, widths=(DEFAULTS.widths[0], (3.0, 20.0), (3.0, 20.0))),
+}
+"""Settings of the search that --sensitivity compares."""
+
 NAMES = {
     Method.POLYNOMIAL: "cubic in T (PX4, ArduPilot)",
     Method.POLYNOMIAL_RATE: "cubic with Ṫ and T·Ṫ",
@@ -53,7 +66,9 @@ class Figures:
     noise: NDArray[np.float64]
 
 
-def measure(path: Path, seeds: Sequence[int], methods: Sequence[Method] = tuple(NAMES)) -> Figures:
+def measure(
+    path: Path, seeds: Sequence[int], methods: Sequence[Method] = tuple(NAMES), genetic: GeneticSettings = DEFAULTS
+) -> Figures:
     """Train every method with every seed and judge it on the last cooling."""
     whole, training = load(path), load(path, end=SPLIT)
     settings = feature_settings([training], delay=60.0, product=Product.DELAY, reference_temperature=25.0)
@@ -62,7 +77,7 @@ def measure(path: Path, seeds: Sequence[int], methods: Sequence[Method] = tuple(
     runs = [(method, seed) for method in methods for seed in (seeds if is_random(method) else seeds[:1])]
     errors: dict[Method, list[NDArray[np.float64]]] = {method: [] for method in methods}
     for method, seed in track(runs, description="training", console=Console(stderr=True), transient=True):
-        options = TrainingOptions(method=method, seed=seed)
+        options = TrainingOptions(method=method, seed=seed, genetic=genetic)
         calibration = train_on_blocks(blocks, [training], CHANNELS, settings, BLOCK, options)
         inside = calibration.calibrated_range.clamp(held_out.features)
         predicted = np.stack([c.drift.evaluate(inside) + c.reference for c in calibration.channels], axis=1)
@@ -119,16 +134,31 @@ def report(figures: Figures) -> Table:
     return table
 
 
+def sensitivity(path: Path, seeds: Sequence[int]) -> Table:
+    """Return the errors under settings of the search beside the defaults."""
+    table = Table(title="RBF network, genetic search: RMS error, m/s², median over seeds; settings beside the defaults")
+    for heading in ("setting", "x", "y", "z"):
+        table.add_column(heading, justify="left" if heading == "setting" else "right")
+    for name, settings in VARIANTS.items():
+        rows = measure(path, seeds, [Method.RBF_GA], settings).methods[Method.RBF_GA]
+        table.add_row(name, *(f"{median:.4f}" for median in np.median(rows, axis=0)))
+    return table
+
+
 def main() -> int:
     """Print the table; with --json also write it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=5, help="run the random methods with seeds 1 to this")
     parser.add_argument("--json", type=Path, help="file for the figures")
+    parser.add_argument("--sensitivity", action="store_true", help="instead vary the settings of the search")
     arguments = parser.parse_args()
     path = chamber_table()
     if path is None:
         print(f"no measured data: set {VARIABLE} to the folder that holds chamber_imu/", file=sys.stderr)
         return 2
+    if arguments.sensitivity:
+        Console(width=130).print(sensitivity(path, range(1, arguments.seeds + 1)))
+        return 0
     figures = measure(path, range(1, arguments.seeds + 1))
     Console(width=130).print(report(figures))
     if arguments.json:
