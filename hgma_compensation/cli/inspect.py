@@ -12,7 +12,7 @@ from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
 from hgma_compensation.cli.terminal import console, write_json
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
-from hgma_compensation.kalman.settings import FilterMode
+from hgma_compensation.kalman.design import settled_filter
 from hgma_compensation.temperature.features import NAMES, UNITS, Product
 
 
@@ -57,6 +57,8 @@ def _channels(model: Calibration) -> Table:
     table = Table(title=f"Channels; RMS over means of {model.training['block']:g} s")
     for heading in ("channel", "unit", "reference", "model", "filter", "fitted", "cross-validated", "noise"):
         table.add_column(heading)
+    recording = model.training["recordings"][0]
+    interval = recording["duration"] / recording["samples"]
     for channel in model.channels:
         error = channel.error
         table.add_row(
@@ -64,7 +66,7 @@ def _channels(model: Calibration) -> Table:
             unit_of(channel.name),
             f"{channel.reference:.5g}",
             _model(channel),
-            _filter(channel),
+            _filter(channel, interval),
             f"{error.fit:.4g}",
             "-" if error.cross_validated is None else f"{error.cross_validated:.4g}",
             f"{error.noise:.4g}",
@@ -78,8 +80,9 @@ def _model(channel: ChannelCalibration) -> str:
     return "polynomial"
 
 
-def _filter(channel: ChannelCalibration) -> str:
+def _filter(channel: ChannelCalibration, interval: float) -> str:
     noise = channel.filter.noise
-    if channel.filter.mode is FilterMode.OFF or noise is None:
-        return "off"
-    return f"{channel.filter.mode.value}, {noise.white / noise.walk:.3g} s"
+    if noise is None or interval <= 0.0:
+        return channel.filter.mode.value
+    settled = settled_filter(noise, interval)
+    return f"{channel.filter.mode.value}, {settled.time_constant:.3g} s, white noise / {settled.noise_reduction:.3g}"

@@ -4,10 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.kalman.design import settled_filter
 from hgma_compensation.kalman.random_walk import RandomWalkNoise
 from hgma_compensation.kalman.settings import FilterMode, FilterSettings
 from hgma_compensation.stamps import NANOSECONDS, Stamps
 from hgma_compensation.training.blocks import noise_of_means
+
+LEAST_REDUCTION = 1.1
+"""Noise reduction below which a filter costs lag and gives nothing."""
 
 
 def design_filter(
@@ -16,7 +20,8 @@ def design_filter(
     """Return the settings of one channel's stage.
 
     stamps, values: samples (n,) of the channel; their white noise gives R of Eq. (9). time_constant:
-    s over which the settled filter averages; the longer it is, the less noise and the more lag.
+    s over which the settled filter averages; the longer it is, the less noise and the more lag. Raises
+    RefusedError where the filter would do nothing.
     """
     if mode is FilterMode.OFF:
         return FilterSettings()
@@ -24,4 +29,11 @@ def design_filter(
     white = noise_of_means(values[np.isfinite(values)]) * np.sqrt(max(interval, 0.0))
     if not white > 0.0:
         raise RefusedError(f"{channel} has no noise that a filter could smooth: train it with --filter off")
-    return FilterSettings(mode, RandomWalkNoise.with_time_constant(float(white), time_constant))
+    noise = RandomWalkNoise.with_time_constant(float(white), time_constant)
+    reduction = settled_filter(noise, interval).noise_reduction
+    if reduction < LEAST_REDUCTION:
+        raise RefusedError(
+            f"{channel}: a filter of {time_constant:g} s on samples every {interval:g} s divides the noise by "
+            f"{reduction:.2f} only: give a longer --filter-time-constant, or --filter off"
+        )
+    return FilterSettings(mode, noise)
