@@ -1,0 +1,39 @@
+import ast
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from rcl_interfaces.srv import ListParameters
+from robot import Robot
+
+from hgma_compensation.demo.processes import private_ros_environment, running
+from hgma_compensation.topics import INPUTS, OUTPUTS
+
+ROOT = Path(__file__).parents[1]
+PARAMETERS = ROOT / "params" / "compensation.yaml"
+
+
+@pytest.mark.ros
+def test_the_parameter_file_holds_every_parameter_of_the_node_and_no_other():
+    environment = private_ros_environment()
+    command = [sys.executable, "-m", "hgma_compensation.node.main", "--ros-args", "--params-file", str(PARAMETERS)]
+    robot = Robot(int(environment["ROS_DOMAIN_ID"]))
+    try:
+        with running(command, environment, "no calibration yet"):
+            names = set(robot.call(ListParameters, "list_parameters").result.names)
+    finally:
+        robot.close()
+    # QoS overrides and type description are rclpy's own, the same for every node.
+    own = {name for name in names if not name.startswith(("qos_overrides.", "start_type_description_service"))}
+    assert own == set(yaml.safe_load(PARAMETERS.read_text())["/**"]["ros__parameters"])
+
+
+def test_the_launch_file_compiles_and_remaps_topics_that_exist():
+    source = (ROOT / "launch" / "compensation.launch.py").read_text()
+    tree = ast.parse(source)
+    assert "generate_launch_description" in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    defaults = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+    remapped = {text for text in defaults if text.startswith("accel/") and text != "accel/"}
+    assert {"accel/raw", "accel/temperature", "accel/compensated"} == remapped
+    assert remapped <= set(INPUTS + OUTPUTS)
