@@ -120,7 +120,11 @@ def make_calibration(
         for number in range(len(channels))
     ]
     noise = RandomWalkNoise.with_time_constant(white=0.02, seconds=0.5)
-    stage = FilterSettings() if mode is FilterMode.OFF else FilterSettings(mode, noise)
+    stage = (
+        FilterSettings()
+        if mode is FilterMode.OFF
+        else FilterSettings(mode, noise, initial_bias=0.1 if mode is FilterMode.BIAS else 0.0)
+    )
     return with_id(
         Calibration(
             sensor_id=sensor_id,

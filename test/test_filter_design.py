@@ -6,7 +6,7 @@ from builders import make_stamps
 
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.design import reference_filter, settled_filter
-from hgma_compensation.kalman.random_walk import RandomWalkFilter, RandomWalkNoise
+from hgma_compensation.kalman.random_walk import RandomWalkNoise, filter_samples
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.training.filter_design import design_filter
 
@@ -18,7 +18,7 @@ SEED = 31
 def test_the_stage_equals_the_reference_design_step_by_step():
     values = np.random.default_rng(SEED).normal(9.81, 1.0, 200)
     stamps = make_stamps(np.arange(200) * INTERVAL)
-    estimates, innovations = RandomWalkFilter(NOISE).run(stamps, values)
+    estimates, innovations = filter_samples(NOISE, stamps, values)
     reference = reference_filter(NOISE, INTERVAL, values[0])
     expected = []
     for value in values[1:]:
@@ -40,7 +40,7 @@ def test_white_noise_shrinks_by_the_factor_that_is_promised():
     settled = settled_filter(NOISE, INTERVAL)
     noise = np.random.default_rng(SEED).standard_normal(100_000)
     stamps = make_stamps(np.arange(len(noise)) * INTERVAL)
-    estimates, _ = RandomWalkFilter(NOISE).run(stamps, noise)
+    estimates, _ = filter_samples(NOISE, stamps, noise)
     reduction = noise.std() / estimates[1000:].std()
     # The output is correlated over 2 τ: so many fewer independent values stand behind its deviation.
     independent = len(noise) * INTERVAL / (2.0 * settled.time_constant)
@@ -56,7 +56,7 @@ def test_a_filter_that_would_do_nothing_is_refused():
     values = np.random.default_rng(SEED).standard_normal(1000)
     stamps = make_stamps(np.arange(1000) * INTERVAL)
     with pytest.raises(RefusedError, match=r"longer --filter-time-constant"):
-        design_filter(FilterMode.SMOOTH, 0.01, stamps, values, "linear_acceleration.z")
+        design_filter(FilterMode.SMOOTH, 0.01, stamps, values, "linear_acceleration.z", 0.1)
     with pytest.raises(RefusedError, match="has no noise"):
-        design_filter(FilterMode.SMOOTH, 1.0, stamps, np.zeros(1000), "linear_acceleration.z")
-    assert design_filter(FilterMode.OFF, 0.01, stamps, values, "linear_acceleration.z").noise is None
+        design_filter(FilterMode.SMOOTH, 1.0, stamps, np.zeros(1000), "linear_acceleration.z", 0.1)
+    assert design_filter(FilterMode.OFF, 0.01, stamps, values, "linear_acceleration.z", 0.1).noise is None

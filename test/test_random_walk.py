@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 from builders import make_stamps
 from filterpy.kalman import KalmanFilter
-from hypothesis import given
-from hypothesis import strategies as st
 
-from hgma_compensation.kalman.random_walk import RandomWalkFilter, RandomWalkNoise
+from hgma_compensation.kalman.random_walk import RandomWalkNoise, filter_samples
 
 SEED = 20190725
 NOISE = RandomWalkNoise(white=0.3, walk=0.05)
@@ -28,7 +26,7 @@ def steady_gain(noise, dt):
 
 def test_equals_filterpy_on_irregular_stamps():
     stamps, values = samples(500)
-    estimates, innovations = RandomWalkFilter(NOISE).run(stamps, values)
+    estimates, innovations = filter_samples(NOISE, stamps, values)
     kalman = KalmanFilter(dim_x=1, dim_z=1)
     kalman.x, kalman.H = np.array([[values[0]]]), np.array([[1.0]])
     steps = np.diff(stamps) * 1e-9
@@ -44,53 +42,13 @@ def test_equals_filterpy_on_irregular_stamps():
     np.testing.assert_allclose(innovations, expected_innovations, rtol=0.0, atol=1e-12 * np.abs(values).max())
 
 
-@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 200), cuts=st.lists(st.integers(0, 200), max_size=8))
-def test_any_split_equals_the_batch_bit_for_bit(seed, n, cuts):
-    random = np.random.default_rng(seed)
-    stamps = make_stamps(np.cumsum(random.choice([-0.2, 0.0, 0.1, 0.3], n)))
-    values = random.standard_normal(n)
-    edges = sorted(min(cut, n) for cut in cuts)
-    stream = RandomWalkFilter(NOISE)
-    parts = [stream.run(s, v) for s, v in zip(np.split(stamps, edges), np.split(values, edges), strict=True)]
-    batch = RandomWalkFilter(NOISE).run(stamps, values)
-    for got, expected in zip(zip(*parts, strict=True), batch, strict=True):
-        assert np.concatenate(got).tobytes() == expected.tobytes()
-
-
-@pytest.mark.parametrize("back", [0, 1, 300_000_000, 2_000_000_000])
-def test_repeated_or_late_sample_corrects_nothing(back):
-    stamps, values = samples(60)
-    clean, _ = RandomWalkFilter(NOISE).run(stamps, values)
-    late = np.insert(stamps, 40, stamps[39] - back)
-    estimates, innovations = RandomWalkFilter(NOISE).run(late, np.insert(values, 40, 1000.0))
-    assert estimates[40] == estimates[39]
-    assert innovations[40] == 1000.0 - estimates[39]
-    np.testing.assert_array_equal(np.delete(estimates, 40), clean)
-
-
-def test_reset_starts_anew_from_the_first_sample():
-    stamps, values = samples(60)
-    stage = RandomWalkFilter(NOISE)
-    stage.run(stamps, values + 100.0)
-    stage.reset()
-    fresh = RandomWalkFilter(NOISE).run(stamps, values)
-    for got, expected in zip(stage.run(stamps, values), fresh, strict=True):
-        np.testing.assert_array_equal(got, expected)
-    assert fresh[0][0] == values[0]
-
-
-def test_no_samples_give_no_estimates():
-    estimates, innovations = RandomWalkFilter(NOISE).run(np.empty(0, dtype=np.int64), np.empty(0))
-    assert len(estimates) == len(innovations) == 0
-
-
 @pytest.mark.parametrize("dt", [0.001, 0.1, 5.0])
 def test_settled_gain_is_the_analytic_one(dt):
     gain = steady_gain(NOISE, dt)
     # The error of the gain shrinks by (1 - gain)² with each step: e^-40 of it is left.
     count = 2 + int(40.0 / (2.0 * gain))
     stamps = make_stamps(dt * np.arange(count + 1))
-    estimates, innovations = RandomWalkFilter(NOISE).run(stamps, np.r_[np.zeros(count), 1.0])
+    estimates, innovations = filter_samples(NOISE, stamps, np.r_[np.zeros(count), 1.0])
     assert innovations[-1] == 1.0
     assert estimates[-1] == pytest.approx(gain, rel=1e-9)
 
@@ -102,5 +60,5 @@ def test_time_constant_is_that_of_the_step_response(seconds):
     # The gain is ε - ε²/2 + O(ε³) with ε = dt / seconds, hence (1 - gain)^(1/ε) = 1/e within ε².
     settle, rise = 200 * 20, 200
     stamps = make_stamps(dt * np.arange(settle + rise))
-    estimates, _ = RandomWalkFilter(noise).run(stamps, np.r_[np.zeros(settle), np.ones(rise)])
+    estimates, _ = filter_samples(noise, stamps, np.r_[np.zeros(settle), np.ones(rise)])
     assert estimates[-1] == pytest.approx(1.0 - exp(-1.0), abs=(1.0 / 200.0) ** 2)

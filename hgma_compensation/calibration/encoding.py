@@ -166,18 +166,23 @@ def _same_length(document: Document, path: str, *names: str) -> None:
 def _encode_filter(settings: FilterSettings) -> Document:
     if settings.noise is None:
         return {"mode": settings.mode.value}
-    return {
+    document = {
         "mode": settings.mode.value,
         "white_noise": settings.noise.white,
         "random_walk": settings.noise.walk,
+        "gate_threshold": settings.threshold,
     }
+    if settings.mode is FilterMode.BIAS:
+        document["initial_bias"] = settings.initial_bias
+    return document
 
 
 def _decode_filter(document: Document) -> FilterSettings:
     mode = FilterMode(document["mode"])
     if mode is FilterMode.OFF:
         return FilterSettings()
-    return FilterSettings(mode, RandomWalkNoise(float(document["white_noise"]), float(document["random_walk"])))
+    noise = RandomWalkNoise(float(document["white_noise"]), float(document["random_walk"]))
+    return FilterSettings(mode, noise, float(document["gate_threshold"]), float(document.get("initial_bias", 0.0)))
 
 
 def _array(numbers: list[Any]) -> Array:

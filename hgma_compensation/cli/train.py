@@ -15,6 +15,7 @@ from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.temperature.features import Product
 from hgma_compensation.topics import TopicNames
+from hgma_compensation.training.filter_design import TIME_CONSTANTS
 from hgma_compensation.training.genetic import GeneticSettings
 from hgma_compensation.training.methods import Method
 from hgma_compensation.training.reference import Reference
@@ -68,14 +69,12 @@ DEFAULTS, SEARCH = TrainingOptions(), GeneticSettings()
     type=click.Choice([m.value for m in FilterMode]),
     default=DEFAULTS.filter.value,
     show_default=True,
-    help="Kalman stage after the drift model.",
+    help="Kalman stage after the drift model. smooth: filtered, shocks let through. bias: a slow bias is learned at rest.",
 )
 @click.option(
     "--filter-time-constant",
     type=click.FloatRange(min=0.0, min_open=True),
-    default=DEFAULTS.filter_time_constant,
-    show_default=True,
-    help="Of --filter smooth, s.",
+    help=f"s. Default: {TIME_CONSTANTS[FilterMode.SMOOTH]:g} for smooth, {TIME_CONSTANTS[FilterMode.BIAS]:g} for bias.",
 )
 @click.option(
     "--centres",

@@ -3,7 +3,7 @@
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from hgma_compensation import topics
@@ -32,24 +32,34 @@ def run_live(recording: Path, calibration: Path, output: Path, *, rate: float, s
     node = [*NODE, "--ros-args", "-p", f"calibration_file:={calibration}"]
     play = [*HGMA, "play", str(recording), "--rate", str(rate), "--wait", "20"]
     with running(node, environment, READY):
-        player = subprocess.Popen(play, env=environment)
+        playing = _Playing(play, environment, samples)
         try:
-            complete = _Complete(player, samples)
-            return record(output, OUTPUTS, int(environment["ROS_DOMAIN_ID"]), complete)
+            domain = int(environment["ROS_DOMAIN_ID"])
+            return record(output, OUTPUTS, domain, connected=playing.start, until=playing.complete)
         finally:
-            player.terminate()
-            player.wait()
+            playing.stop()
 
 
-class _Complete:
-    """True when every sample has come, or when nothing comes any more."""
+class _Playing:
+    """The player's process, and whether all that it sends has come back."""
 
-    def __init__(self, player: subprocess.Popen[bytes], samples: int) -> None:
-        self._player, self._samples = player, samples
+    def __init__(self, command: Sequence[str], environment: Mapping[str, str], samples: int) -> None:
+        self._command, self._environment, self._samples = command, environment, samples
+        self._player: subprocess.Popen[bytes] | None = None
         self._count = 0
         self._changed = time.monotonic()
 
-    def __call__(self, counts: Mapping[str, int]) -> bool:
+    def start(self) -> None:
+        self._player = subprocess.Popen(self._command, env=dict(self._environment))
+
+    def stop(self) -> None:
+        if self._player is not None:
+            self._player.terminate()
+            self._player.wait()
+
+    def complete(self, counts: Mapping[str, int]) -> bool:
+        """Return whether every sample has come, or nothing comes any more."""
+        assert self._player is not None
         count = min((counts.get(topic, 0) for topic in OUTPUTS), default=0)
         if count != self._count or self._player.poll() is None:
             self._count, self._changed = count, time.monotonic()

@@ -15,6 +15,9 @@ from hgma_compensation.node.interfaces import drain
 from hgma_compensation.node.message_types import message_class
 from hgma_compensation.recording.bag_writer import BagWriter, new_bag
 
+SETTLING = 0.5
+"""s in which the other side of a new connection learns of it: discovery is not symmetric."""
+
 QOS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
 
 
@@ -44,9 +47,17 @@ class _Recorder:
 
 
 def record(
-    path: Path, topics: Mapping[str, str], domain: int, until: Callable[[Mapping[str, int]], bool]
+    path: Path,
+    topics: Mapping[str, str],
+    domain: int,
+    *,
+    connected: Callable[[], None],
+    until: Callable[[Mapping[str, int]], bool],
 ) -> Mapping[str, int]:
-    """Record topics (name to message type) until the condition on the counts holds; return the counts."""
+    """Record topics (name to message type) until the condition on the counts holds; return the counts.
+
+    connected: called once every topic has a publisher, before which nothing that matters may be sent.
+    """
     context = rclpy.Context()
     rclpy.init(args=[], context=context, domain_id=domain)
     node = rclpy.create_node("recorder", context=context)
@@ -55,6 +66,10 @@ def record(
     try:
         with new_bag(path) as bag:
             recorder = _Recorder(node, bag, topics)
+            while not all(node.count_publishers(topic) for topic in topics):
+                executor.spin_once(timeout_sec=0.05)
+            time.sleep(SETTLING)
+            connected()
             while not until(recorder.counts):
                 executor.spin_once(timeout_sec=0.05)
             return recorder.counts

@@ -1,8 +1,9 @@
 """Random-walk Kalman filter, Eqs. (7) to (11) of Zhu et al. 2019.
 
-State: the compensated acceleration x, x' = x + w. Measured: z = x + v. The white noise of the sensor
-and the random walk of the state are given as densities, so the filter means the same at every
-sampling rate: R = N² / dt, Q = q² dt.
+State: a level x, x' = x + w. Measured: z = x + v. The white noise of the sensor and the random walk
+of the state are given as densities, so the filter means the same at every sampling rate:
+R = N² / dt, Q = q² dt. The gain varies until it has settled, by the Riccati recursion with the real
+time steps.
 """
 
 from dataclasses import dataclass
@@ -34,7 +35,7 @@ class RandomWalkNoise:
 
 
 class RandomWalkFilter:
-    """Streaming filter of one channel; a batch runs through the same steps."""
+    """One channel's estimate and its variance, moved by the caller from sample to sample."""
 
     def __init__(self, noise: RandomWalkNoise) -> None:
         """Start without a sample."""
@@ -43,36 +44,50 @@ class RandomWalkFilter:
 
     def reset(self) -> None:
         """Forget every sample."""
-        self._estimate: float | None = None
-        self._variance: float | None = None
-        self._newest = 0
+        self.started = False
+        self.estimate = 0.0
+        self.variance: float | None = None
 
-    def run(self, stamps: Stamps, measured: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return (estimates, innovations), each (n,), of finite measurements (n,) at stamps (ns)."""
-        if not len(stamps):
-            return np.empty(0), np.empty(0)
-        first = stamps[0] if self._estimate is None else self._newest
-        # A late sample does not turn the clock back for those after it.
-        newest = np.maximum.accumulate(np.concatenate([[first], stamps]))
-        steps = seconds_between(stamps, newest[:-1]).tolist()
-        estimates, innovations = np.empty(len(stamps)), np.empty(len(stamps))
-        for k, (dt, z) in enumerate(zip(steps, measured.tolist(), strict=True)):
-            estimates[k], innovations[k] = self._step(dt, z)
-        self._newest = int(newest[-1])
-        return estimates, innovations
+    def start(self, estimate: float, variance: float | None = None) -> None:
+        """Begin at an estimate; without a variance it is a sample whose own interval is unknown."""
+        self.started, self.estimate, self.variance = True, estimate, variance
 
-    def _step(self, dt: float, z: float) -> tuple[float, float]:
-        if self._estimate is None:
-            self._estimate = z
-            return z, 0.0
-        innovation = z - self._estimate  # Eq. (7): the state is predicted unchanged
-        if dt <= 0.0:  # A repeated or late stamp has no interval, hence no known noise: it corrects nothing.
-            return self._estimate, innovation
+    def sample_variance(self, dt: float) -> float:
+        """Return R of a sample that averages over dt (s)."""
+        return self._white / dt
+
+    def predict(self, dt: float) -> float:
+        """Let dt (s, > 0) pass and return the variance of the innovation to come: Eqs. (7), (8).
+
+        The level is predicted unchanged. A first sample of unknown interval is given the noise of the
+        second.
+        """
         sample_variance = self._white / dt
-        # The first sample's own interval is unknown; it is given the noise of the second.
-        variance = sample_variance if self._variance is None else self._variance
-        predicted = variance + self._walk * dt  # Eq. (8)
-        gain = predicted / (predicted + sample_variance)  # Eq. (9)
-        self._estimate += gain * innovation  # Eq. (10)
-        self._variance = (1.0 - gain) * predicted  # Eq. (11)
-        return self._estimate, innovation
+        self.variance = (sample_variance if self.variance is None else self.variance) + self._walk * dt
+        return self.variance + sample_variance
+
+    def correct(self, innovation: float, innovation_variance: float) -> None:
+        """Take the measurement in: Eqs. (9) to (11)."""
+        assert self.variance is not None
+        gain = self.variance / innovation_variance  # Eq. (9)
+        self.estimate += gain * innovation  # Eq. (10)
+        self.variance = (1.0 - gain) * self.variance  # Eq. (11)
+
+
+def filter_samples(
+    noise: RandomWalkNoise, stamps: Stamps, measured: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return estimates and innovations, each (n,), of the plain filter over measurements (n,) at stamps (ns).
+
+    No gate: real acceleration is smoothed away with the noise. For comparison, and for records at rest.
+    """
+    level = RandomWalkFilter(noise)
+    level.start(float(measured[0]))
+    estimates, innovations = np.array(measured, dtype=np.float64), np.zeros(len(measured))
+    steps = seconds_between(stamps[1:], stamps[:-1]).tolist()
+    for k, (dt, z) in enumerate(zip(steps, measured[1:].tolist(), strict=True), start=1):
+        innovation_variance = level.predict(dt)
+        innovations[k] = z - level.estimate
+        level.correct(innovations[k], innovation_variance)
+        estimates[k] = level.estimate
+    return estimates, innovations

@@ -69,6 +69,7 @@ class DiagnosticReport:
             ("samples_received", str(live.received)),
             ("samples_compensated", str(live.compensated)),
             ("samples_skipped", str(live.skipped())),
+            ("gate_openings", str(live.gate_openings)),
         ]
         if live.last_result is not None:
             result = live.last_result.compensated

@@ -8,6 +8,7 @@ from typing import Any
 
 import rclpy
 from builtin_interfaces.msg import Time
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosbags.interfaces import Connection
@@ -20,6 +21,12 @@ from hgma_compensation.recording.bag_reader import open_bag, read_messages
 from hgma_compensation.stamps import NANOSECONDS
 
 QOS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+SETTLING = 0.5
+"""s to wait for the other side of a connection, at its begin and before its end."""
+
+ACKNOWLEDGED = 5.0
+"""s to wait at the end until reliable readers have everything."""
+
 CLOCK_PERIOD = 0.01
 """s of wall time between two messages on /clock."""
 
@@ -68,7 +75,9 @@ class Player:
                 if not self._options.loop:
                     break
             for publisher in filter(None, publishers.values()):
-                publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=5))
+                publisher.wait_for_all_acked(Duration(seconds=ACKNOWLEDGED))
+            # Best-effort readers acknowledge nothing, and may drop what they hold of a writer that is gone.
+            time.sleep(SETTLING)
             return count
 
     def _publisher(self, connection: Connection) -> Any:
@@ -85,6 +94,8 @@ class Player:
         end = time.monotonic() + self._options.wait
         while time.monotonic() < end and not all(p.get_subscription_count() for p in wanted):
             time.sleep(0.02)
+        # We know of the subscriber before it knows of us, and until then it takes nothing that is best effort.
+        time.sleep(min(SETTLING, self._options.wait))
 
     def _paced(
         self, messages: Iterator[tuple[Connection, int, bytes]], publishers: dict[int, Any]

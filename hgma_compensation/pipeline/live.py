@@ -43,6 +43,11 @@ class LiveCompensation:
         """The calibration in use."""
         return self._pipeline.calibration if self._pipeline else None
 
+    @property
+    def gate_openings(self) -> int:
+        """Gate openings of the Kalman stage under the calibration in use."""
+        return self._pipeline.gate_openings if self._pipeline else 0
+
     def install(self, calibration: Calibration) -> None:
         """Use a calibration from the next sample on; its features start from the remembered thermistor."""
         pipeline = Pipeline(calibration, live=True)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.kalman.random_walk import RandomWalkFilter
+from hgma_compensation.kalman.stage import KalmanStage
 from hgma_compensation.pipeline.status import TemperatureStatus, temperature_status
 from hgma_compensation.stamps import Stamps
 from hgma_compensation.temperature.features import read_features
@@ -50,11 +50,16 @@ class Pipeline:
         keep = calibration.features.history + ACCELERATION_LAG if live else None
         self.track = TemperatureTrack(calibration.features.noise, keep=keep)
         self._filters = [
-            None if channel.filter.noise is None else RandomWalkFilter(channel.filter.noise)
+            None if channel.filter.noise is None else KalmanStage(channel.filter, channel.reference)
             for channel in calibration.channels
         ]
         self._newest: int | None = None
         self.jumps_back = 0
+
+    @property
+    def gate_openings(self) -> int:
+        """How often real acceleration has opened the gate of any channel's Kalman stage."""
+        return sum(stage.openings for stage in self._filters if stage is not None)
 
     def reset(self) -> None:
         """Forget thermistor history and filter states; the calibration stays."""

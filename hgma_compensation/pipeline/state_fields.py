@@ -8,7 +8,7 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.pipeline.pipeline import Compensated
 
-FILTER_CODES = {FilterMode.OFF: 0, FilterMode.SMOOTH: 1}
+FILTER_CODES = {FilterMode.OFF: 0, FilterMode.SMOOTH: 1, FilterMode.BIAS: 2}
 
 
 def state_fields(calibration: Calibration, result: Compensated, row: int) -> dict[str, Any]:

@@ -14,17 +14,28 @@ LEAST_REDUCTION = 1.1
 """Noise reduction below which a filter costs lag and gives nothing."""
 
 
+TIME_CONSTANTS = {FilterMode.SMOOTH: 1.0, FilterMode.BIAS: 300.0}
+"""s, unless the user gives one: a bias wanders slowly, and must not follow a manoeuvre."""
+
+
 def design_filter(
-    mode: FilterMode, time_constant: float, stamps: Stamps, values: NDArray[np.float64], channel: str
+    mode: FilterMode,
+    time_constant: float | None,
+    stamps: Stamps,
+    values: NDArray[np.float64],
+    channel: str,
+    error: float,
 ) -> FilterSettings:
     """Return the settings of one channel's stage.
 
     stamps, values: samples (n,) of the channel; their white noise gives R of Eq. (9). time_constant:
     s over which the settled filter averages; the longer it is, the less noise and the more lag. Raises
-    RefusedError where the filter would do nothing.
+    error: RMS error of the drift model, what BIAS starts from. Raises RefusedError where the filter would
+    do nothing.
     """
     if mode is FilterMode.OFF:
         return FilterSettings()
+    time_constant = TIME_CONSTANTS[mode] if time_constant is None else time_constant
     interval = float(np.median(np.diff(stamps))) / NANOSECONDS
     white = noise_of_means(values[np.isfinite(values)]) * np.sqrt(max(interval, 0.0))
     if not white > 0.0:
@@ -36,4 +47,4 @@ def design_filter(
             f"{channel}: a filter of {time_constant:g} s on samples every {interval:g} s divides the noise by "
             f"{reduction:.2f} only: give a longer --filter-time-constant, or --filter off"
         )
-    return FilterSettings(mode, noise)
+    return FilterSettings(mode, noise, initial_bias=error if mode is FilterMode.BIAS else 0.0)

@@ -36,7 +36,8 @@ Progress = Callable[[str, int, float], None]
 
 @dataclass(frozen=True)
 class TrainingOptions:
-    """What the user chose. block: shortest mean that is fitted, s; filter_time_constant: s."""
+    """What the user chose. block: shortest mean that is fitted, s. filter_time_constant: s, None for
+    the default of the filter's mode."""
 
     method: Method = Method.RBF_GA
     channels: tuple[str, ...] | None = None
@@ -48,7 +49,7 @@ class TrainingOptions:
     product: Product = Product.DELAY
     reference_temperature: float = 25.0
     filter: FilterMode = FilterMode.OFF
-    filter_time_constant: float = 1.0
+    filter_time_constant: float | None = None
     genetic: GeneticSettings = field(default_factory=GeneticSettings)
 
 
@@ -123,6 +124,7 @@ class _ChannelFit:
             progress=None if progress is None else lambda generation, best: progress(name, generation, best),
         )
         residual = self.target - fit.drift.evaluate(self.features)
+        error = ChannelError(float(np.sqrt(np.mean(residual**2))), noise, fit.cross_validated)
         first = recordings[0]
         stage = design_filter(
             self.options.filter,
@@ -130,8 +132,8 @@ class _ChannelFit:
             first.stamps,
             first.values[:, CHANNELS.index(name)],
             name,
+            error.fit if error.cross_validated is None else error.cross_validated,
         )
-        error = ChannelError(float(np.sqrt(np.mean(residual**2))), noise, fit.cross_validated)
         return ChannelCalibration(name, fit.drift, reference, stage, error)
 
 

@@ -1,0 +1,45 @@
+"""Gives back the velocity that the filter withheld before the gate opened.
+
+The first, weak part of a shock passes while the gate is still closed, and the smoothed output holds it
+back. What was withheld over the gate's window is added again in small instalments afterwards, so that
+the integral of the output over a shock is that of the input, and its peak is left alone.
+"""
+
+from collections import deque
+
+from hgma_compensation.kalman.gate import QUIET_BLOCKS, WINDOW
+
+CALM = 3.0
+"""Standard deviations: instalments are paid on samples within this of the level, never near a peak."""
+
+
+class ImpulseDebt:
+    """Withheld velocity, in the channel's unit times s."""
+
+    def __init__(self) -> None:
+        """Owe nothing."""
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what is owed."""
+        self._withheld: deque[float] = deque(maxlen=WINDOW)
+        self._owed = self._instalment = 0.0
+
+    def withhold(self, impulse: float) -> None:
+        """Note what one sample's output lacks: (input - output) · dt."""
+        self._withheld.append(impulse)
+
+    def call_in(self) -> None:
+        """The gate has opened: owe what the samples in its window lack."""
+        self._owed += sum(self._withheld)
+        self._instalment = abs(self._owed) / (QUIET_BLOCKS * WINDOW)
+        self._withheld.clear()
+
+    def pay(self, dt: float, normalised: float) -> float:
+        """Return what to add to the output of a sample of length dt (s), whose innovation is ``normalised``."""
+        if self._owed == 0.0 or not -CALM <= normalised <= CALM:
+            return 0.0
+        impulse = min(max(self._owed, -self._instalment), self._instalment)
+        # The last instalment is what is left, so the debt ends at exactly nothing.
+        self._owed -= impulse
+        return impulse / dt

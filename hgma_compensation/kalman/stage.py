@@ -1,0 +1,122 @@
+"""The Kalman stage of one channel: random-walk filter, gate, and the two ways of using them."""
+
+from collections import deque
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.kalman.gate import QUIET_BLOCKS, WINDOW, InnovationGate, QuietDetector
+from hgma_compensation.kalman.impulse import ImpulseDebt
+from hgma_compensation.kalman.random_walk import RandomWalkFilter
+from hgma_compensation.kalman.settings import FilterMode, FilterSettings
+from hgma_compensation.stamps import Stamps, seconds_between
+
+
+class KalmanStage:
+    """Streaming stage; a batch runs through the same steps.
+
+    Closed, the filter follows the level. When the gate opens, the filter returns to where it was before
+    the gate's window began, and stays there; the output is the input until quiet has returned. SMOOTH then
+    goes on at the level found, BIAS only if that is the one from before: a new level is real acceleration
+    to it, not bias.
+    """
+
+    def __init__(self, settings: FilterSettings, reference: float) -> None:
+        """Take the settings of a channel whose mode is not OFF, and its still value (BIAS: bias = 0 there)."""
+        assert settings.noise is not None
+        self._level = RandomWalkFilter(settings.noise)
+        self._bias = settings.mode is FilterMode.BIAS
+        self._reference, self._initial = reference, settings.initial_bias**2
+        self._threshold = settings.threshold
+        self._gate, self._quiet = InnovationGate(settings.threshold), QuietDetector(settings.threshold)
+        self._debt = ImpulseDebt()
+        self.openings = 0
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget every sample; the number of openings stays."""
+        self._level.reset()
+        self._gate.reset()
+        self._quiet.reset()
+        self._debt.reset()
+        self._history: deque[tuple[float, float | None]] = deque(maxlen=WINDOW)
+        self.open = False
+        self._newest = 0
+
+    def run(self, stamps: Stamps, measured: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return outputs and innovations, each (n,), of finite measurements (n,) at stamps (ns).
+
+        A sample whose stamp does not exceed all before it has no interval, hence no known noise: it passes
+        under the estimate there is, and corrects nothing.
+        """
+        if not len(stamps):
+            return np.empty(0), np.empty(0)
+        if not self._level.started:
+            self._newest = int(stamps[0])
+            self._start(float(measured[0]))
+        newest = np.maximum.accumulate(np.concatenate([[self._newest], stamps]))
+        steps = seconds_between(stamps, newest[:-1]).tolist()
+        outputs, innovations = np.empty(len(stamps)), np.empty(len(stamps))
+        for k, (dt, z) in enumerate(zip(steps, measured.tolist(), strict=True)):
+            outputs[k], innovations[k] = self._step(dt, z)
+        self._newest = int(newest[-1])
+        return outputs, innovations
+
+    def _start(self, first: float) -> None:
+        if self._bias:
+            self._level.start(self._reference, self._initial)
+        else:
+            self._level.start(first)
+
+    def _step(self, dt: float, z: float) -> tuple[float, float]:
+        level = self._level
+        innovation = z - level.estimate
+        if dt <= 0.0:
+            return self._output(z), innovation
+        before = (level.estimate, level.variance)
+        innovation_variance = level.predict(dt)
+        normalised = innovation / sqrt(innovation_variance)
+        if self.open:
+            self._wait_for_quiet(z, dt)
+        elif self._gate.exceeded(normalised):
+            self._open(before)
+        else:
+            self._history.append(before)
+            level.correct(innovation, innovation_variance)
+            output = self._output(z)
+            self._debt.withhold((z - output) * dt)
+            return output + self._debt.pay(dt, normalised), innovation
+        return self._output(z) + self._debt.pay(dt, normalised), innovation
+
+    def _output(self, z: float) -> float:
+        if self._bias:
+            return z - (self._level.estimate - self._reference)
+        return z if self.open else self._level.estimate
+
+    def _open(self, before: tuple[float, float | None]) -> None:
+        """Undo what the gate's window did to the estimate: its samples belong to what opened the gate."""
+        self.open = True
+        self.openings += 1
+        estimate, variance = self._history[0] if self._history else before
+        self._level.start(estimate, variance if variance is not None else self._level.variance)
+        self._history.clear()
+        self._quiet.reset()
+        if not self._bias:
+            self._debt.call_in()
+
+    def _wait_for_quiet(self, z: float, dt: float) -> None:
+        level = self._level
+        assert level.variance is not None
+        sample_variance = level.sample_variance(dt)
+        mean = self._quiet.mean_when_quiet(z, sqrt(sample_variance))
+        if mean is None:
+            return
+        mean_variance = sample_variance / (QUIET_BLOCKS * WINDOW)
+        moved = abs(mean - level.estimate) > self._threshold * sqrt(level.variance + mean_variance)
+        if moved and self._bias:
+            return
+        if moved:
+            level.start(mean, mean_variance)
+        self.open = False
+        self._gate.reset()
