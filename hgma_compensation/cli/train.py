@@ -69,7 +69,8 @@ DEFAULTS, SEARCH = TrainingOptions(), GeneticSettings()
     type=click.Choice([m.value for m in FilterMode]),
     default=DEFAULTS.filter.value,
     show_default=True,
-    help="Kalman stage after the drift model. smooth: filtered, shocks let through. bias: a slow bias is learned at rest.",
+    help="Kalman stage after the drift model. smooth: filtered, shocks let through. "
+    "bias: a slow bias is learned at rest.",
 )
 @click.option(
     "--filter-time-constant",

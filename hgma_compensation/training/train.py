@@ -36,8 +36,10 @@ Progress = Callable[[str, int, float], None]
 
 @dataclass(frozen=True)
 class TrainingOptions:
-    """What the user chose. block: shortest mean that is fitted, s. filter_time_constant: s, None for
-    the default of the filter's mode."""
+    """What the user chose.
+
+    block: shortest mean that is fitted, s. filter_time_constant: s, None for the default of the filter's mode.
+    """
 
     method: Method = Method.RBF_GA
     channels: tuple[str, ...] | None = None
