@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import check_new, counting_bar, write_json
+from hgma_compensation.cli.terminal import check_new, counting_bar, progress_bar, write_json
 from hgma_compensation.recording.bag_writer import Storage, write_recording
 from hgma_compensation.simulation.oven_test import simulate_with_truth
 from hgma_compensation.simulation.scenario import read_scenario
@@ -20,12 +20,14 @@ def command(scenario: Path, output: Path, storage: Storage, json_path: Path | No
     """Make the recording of an oven test out of a SCENARIO.yaml such as those in params/."""
     check_new(output)
     described = read_scenario(scenario)
-    simulated = simulate_with_truth(described)
+    with progress_bar("simulating"):
+        simulated = simulate_with_truth(described)
     recording, truth = simulated.recording, simulated.truth if described.ground_truth else None
     scalars = recording.temperature, recording.temperature_2, recording.supply_voltage
-    messages = len(recording.stamps) * (1 if truth is None else 4) + sum(len(series.stamps) for series in scalars)
+    messages = len(recording.stamps) // described.block + (0 if truth is None else 3 * len(recording.stamps))
+    messages += sum(len(series.stamps) for series in scalars)
     with counting_bar("writing", messages) as advance:
-        write_recording(recording, output, storage, advance, truth)
+        write_recording(recording, output, storage, advance, truth, described.block)
     click.echo(
         f"{output}: {len(recording.stamps)} samples over {recording.duration:.0f} s of {', '.join(recording.present)}"
     )

@@ -1,81 +1,108 @@
-"""Temperature of the sensor in the oven, and what thermistor and accelerometer make of it."""
+"""A scenario made into a recording, and into the truth behind it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from hgma_compensation.channels import AXES, CHANNELS
+from hgma_compensation.recording.ground_truth import GroundTruth
 from hgma_compensation.recording.recording import Recording, Series
-from hgma_compensation.simulation.scenario import Axis, Oven, Scenario
-from hgma_compensation.stamps import NANOSECONDS
+from hgma_compensation.simulation.description import Scenario, Thermometer
+from hgma_compensation.simulation.noise import streams_of
+from hgma_compensation.simulation.oven import Temperatures, power_state, temperatures
+from hgma_compensation.simulation.sensor import Sensor
+from hgma_compensation.simulation.thermometers import (
+    package_temperature,
+    read_out,
+    supply_voltage,
+    thermistor_temperature,
+)
+from hgma_compensation.stamps import NANOSECONDS, Stamps
 
 Array = NDArray[np.float64]
 EPOCH = 1_600_000_000 * NANOSECONDS
-"""Stamp of the first sample, ns: fixed, so that a seed gives the same recording on any day."""
+"""Stamp of the beginning, ns: fixed, so that a seed gives the same recording on any day."""
 
-GRID = 0.1
-"""Step of the temperature's simulation, s: far below any time constant of an oven."""
+
+@dataclass(frozen=True)
+class Simulated:
+    """A recording and what is behind it."""
+
+    recording: Recording
+    truth: GroundTruth
 
 
 def simulate(scenario: Scenario) -> Recording:
     """Return the recording of a scenario; the same seed gives the same bits."""
-    random = np.random.default_rng(scenario.seed)
-    grid, temperature = sensor_temperature(scenario.oven)
-    thermistor_time = _times(scenario.oven.duration, scenario.thermistor_rate)
-    measured = np.interp(thermistor_time, grid, temperature)
-    measured = measured + scenario.thermistor_noise * random.standard_normal(len(measured))
-    time = _times(scenario.oven.duration, scenario.accelerometer_rate)
-    true_temperature = np.interp(time, grid, temperature)
-    rate = np.interp(time, grid, np.gradient(temperature, GRID))
-    values = np.zeros((len(time), len(CHANNELS)))
-    for axis, description in scenario.axes.items():
-        noise = description.white_noise * np.sqrt(scenario.accelerometer_rate) * random.standard_normal(len(time))
-        drift = static_drift(true_temperature, description) + description.rate_drift * 60.0 * rate
-        values[:, AXES.index(axis)] = description.true_value + drift + noise
-    return Recording(
+    return simulate_with_truth(scenario).recording
+
+
+def simulate_with_truth(scenario: Scenario) -> Simulated:
+    """Return the recording of a scenario, and the truth at the stamps of its accelerometer."""
+    streams, oven = streams_of(scenario.seed), temperatures(scenario.oven)
+    sensor = Sensor(scenario, oven, streams)
+    on = power_state(scenario.powered, sensor.time)
+    drifts, values = _all_axes(scenario, sensor)
+    recording = Recording(
         name=scenario.name,
-        stamps=_stamps(time),
-        values=values,
+        stamps=_stamps(sensor.time[on]),
+        values=values[on],
         present=tuple(f"linear_acceleration.{axis}" for axis in AXES if axis in scenario.axes),
-        temperature=Series(_stamps(thermistor_time), measured),
+        temperature=_thermometer(scenario, scenario.thermistor, thermistor_temperature, oven, streams("thermistor")),
+        temperature_2=_thermometer(
+            scenario, scenario.second_thermometer, package_temperature, oven, streams("second thermometer")
+        ),
+        supply_voltage=_voltage(scenario, streams("supply voltage")),
         frame=scenario.sensor_id,
     )
+    truth = GroundTruth(sensor.temperature[on], sensor.acceleration[on], drifts[on], _declared(scenario))
+    return Simulated(recording, truth)
 
 
-def sensor_temperature(oven: Oven) -> tuple[Array, Array]:
-    """Return times (n,) in s and the temperature (n,) of the sensor, which lags the set-point."""
-    corners, before, now = [(0.0, oven.start)], oven.start, 0.0
-    for step in oven.program:
-        now += 60.0 * abs(step.to - before) / step.rate
-        corners.append((now, step.to))
-        now += 60.0 * step.soak
-        corners.append((now, step.to))
-        before = step.to
-    grid = np.arange(0.0, oven.duration + GRID, GRID)
-    set_point = np.interp(grid, *np.array(corners).T)
-    keep = np.exp(-GRID / oven.time_constant)
-    follows, _ = lfilter([1.0 - keep], [1.0, -keep], set_point, zi=[keep * oven.start])
-    return grid, follows
+def _all_axes(scenario: Scenario, sensor: Sensor) -> tuple[Array, Array]:
+    """Return drifts (n, 3) and readings (n, 6), zero where the scenario has no axis."""
+    drifts, values = np.zeros((len(sensor.time), len(AXES))), np.zeros((len(sensor.time), len(CHANNELS)))
+    for axis in scenario.axes:
+        column = AXES.index(axis)
+        drifts[:, column] = sensor.drift(axis)
+        values[:, column] = sensor.readings(axis, drifts[:, column])
+    return drifts, values
 
 
-def static_drift(temperature: Array, axis: Axis) -> Array:
-    """Return the drift (n,) at temperatures (n,): bent like a piezoresistive bridge's, monotone, no network.
-
-    It changes by ``drift_span`` between -10 and 60 °C and is zero at 25 °C.
-    """
-    shape = _shape(temperature) - _shape(np.array(25.0))
-    low, high = _shape(np.array([-10.0, 60.0]))
-    return np.asarray(axis.drift_span * shape / (high - low))
+def _declared(scenario: Scenario) -> tuple[dict[str, Any], ...]:
+    return tuple({"effect": e.name, "axes": list(e.axes), **vars(e.effect)} for e in scenario.effects if e.declared)
 
 
-def _shape(temperature: Array) -> Array:
-    x = (temperature - 25.0) / 35.0
-    return np.asarray(x + 0.25 * x**2 + 0.3 * np.tanh(1.5 * (x - 0.4)) - 0.1 * np.exp(-(x**2)))
+def _thermometer(
+    scenario: Scenario,
+    thermometer: Thermometer | None,
+    true: Callable[[Thermometer, Temperatures], Array],
+    oven: Temperatures,
+    random: np.random.Generator,
+) -> Series:
+    if thermometer is None:
+        return Series.empty()
+    time = _powered_times(scenario, thermometer.rate)
+    at_samples = np.interp(time, oven.time, true(thermometer, oven))
+    return Series(_stamps(time), read_out(at_samples, thermometer.noise, thermometer.resolution, random))
 
 
-def _times(duration: float, rate: float) -> Array:
-    return np.arange(int(duration * rate)) / rate
+def _voltage(scenario: Scenario, random: np.random.Generator) -> Series:
+    supply = scenario.supply
+    if supply is None:
+        return Series.empty()
+    time = _powered_times(scenario, supply.rate)
+    return Series(_stamps(time), read_out(supply_voltage(supply, time), supply.noise, 0.0, random))
 
 
-def _stamps(time: Array) -> NDArray[np.int64]:
+def _powered_times(scenario: Scenario, rate: float) -> Array:
+    """Return the times (n,) in s at which a channel of that rate (Hz) is sampled."""
+    time = np.arange(int(scenario.oven.duration * rate)) / rate
+    return np.asarray(time[power_state(scenario.powered, time)])
+
+
+def _stamps(time: Array) -> Stamps:
     return EPOCH + np.rint(time * NANOSECONDS).astype(np.int64)

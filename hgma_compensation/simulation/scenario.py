@@ -1,69 +1,29 @@
-"""The description of an oven test, read from a YAML file."""
+"""Reads the description of an oven test from a YAML file."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from hgma_compensation import schema_check
-from hgma_compensation.channels import AXES
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.simulation.description import Axis, FirstMode, Oven, Scenario, Step
+from hgma_compensation.simulation.motion_and_effects import decode_effects, decode_motion
+from hgma_compensation.simulation.oven import GRID
+from hgma_compensation.simulation.sections import (
+    check_times,
+    decode_axes,
+    decode_oven,
+    decode_powered,
+    decode_supply,
+    decode_thermometer,
+)
+
+__all__ = ["Axis", "Oven", "Scenario", "Step", "read_scenario"]
 
 LARGEST_FILE = 1 << 20
-MOST_SAMPLES = 50_000_000
-
-
-@dataclass(frozen=True)
-class Step:
-    """Ramp of the set-point to a temperature (°C) at a rate (°C/min), then a soak (min)."""
-
-    to: float
-    rate: float
-    soak: float
-
-
-@dataclass(frozen=True)
-class Oven:
-    """start: °C of oven and sensor. time_constant: s by which the sensor follows the set-point."""
-
-    start: float
-    time_constant: float
-    program: tuple[Step, ...]
-
-    @property
-    def duration(self) -> float:
-        """Length of the programme, s."""
-        before, total = self.start, 0.0
-        for step in self.program:
-            total += 60.0 * (abs(step.to - before) / step.rate + step.soak)
-            before = step.to
-        return total
-
-
-@dataclass(frozen=True)
-class Axis:
-    """true_value: m/s². drift_span: m/s² over -10...60 °C. rate_drift: m/s² per °C/min. white_noise: m/s²/√Hz."""
-
-    true_value: float
-    drift_span: float
-    rate_drift: float
-    white_noise: float
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """An oven test. thermistor_rate, accelerometer_rate: Hz. thermistor_noise: °C."""
-
-    name: str
-    seed: int
-    sensor_id: str
-    oven: Oven
-    thermistor_rate: float
-    thermistor_noise: float
-    accelerometer_rate: float
-    axes: Mapping[str, Axis]
+MOST_SAMPLES = 20_000_000
 
 
 def read_scenario(path: Path) -> Scenario:
@@ -84,29 +44,49 @@ def read_scenario(path: Path) -> Scenario:
         path_of_bad = schema_check.find_non_finite(document)
         if path_of_bad is not None:
             raise RefusedError(f"{path_of_bad} is not finite")
-        return _decode(path.stem, document)
+        return _decode(path, document)
     except RefusedError as refusal:
         raise RefusedError(f"scenario {path}: {refusal}") from None
 
 
-def _decode(name: str, document: dict[str, Any]) -> Scenario:
-    oven, thermistor, accelerometer = document["oven"], document["thermistor"], document["accelerometer"]
+def _decode(path: Path, document: dict[str, Any]) -> Scenario:
+    second, supply = document.get("second_thermometer"), document.get("supply_voltage")
+    thermistor, accelerometer = decode_thermometer(document["thermistor"]), document["accelerometer"]
+    axes = decode_axes(accelerometer["axes"])
+    oven = decode_oven(document["oven"])
     scenario = Scenario(
-        name=name,
+        name=path.stem,
         seed=int(document["seed"]),
         sensor_id=document.get("sensor_id", "imu_link"),
-        oven=Oven(oven["start"], oven["time_constant"], tuple(Step(**step) for step in oven["program"])),
-        thermistor_rate=thermistor["rate"],
-        thermistor_noise=thermistor["noise"],
+        oven=oven,
+        thermistor_rate=thermistor.rate,
+        thermistor_noise=thermistor.noise,
+        thermistor_lag=thermistor.lag,
+        thermistor_resolution=thermistor.resolution,
         accelerometer_rate=accelerometer["rate"],
-        axes={axis: Axis(**accelerometer["axes"][axis]) for axis in AXES if axis in accelerometer["axes"]},
+        axes=axes,
+        block=int(accelerometer.get("block", 1)),
+        first_mode=FirstMode(**accelerometer["first_mode"]) if "first_mode" in accelerometer else None,
+        second_thermometer=None if second is None else decode_thermometer(second),
+        supply=None if supply is None else decode_supply(supply),
+        powered=decode_powered(document.get("power", [{"start": 0.0}]), oven.duration),
+        motion=decode_motion(document.get("motion", {}), path.parent),
+        effects=decode_effects(document.get("effects", []), tuple(axes), document),
+        ground_truth=document.get("ground_truth", False),
     )
-    if not scenario.axes:
-        raise RefusedError("accelerometer.axes is empty: describe at least one of x, y, z")
-    samples = scenario.oven.duration * max(scenario.accelerometer_rate, scenario.thermistor_rate)
-    if not 2 <= samples <= MOST_SAMPLES:
+    _check_length(scenario)
+    check_times(document, oven.duration)
+    return scenario
+
+
+def _check_length(scenario: Scenario) -> None:
+    rates = [scenario.accelerometer_rate, scenario.thermistor_rate]
+    rates += [part.rate for part in (scenario.second_thermometer, scenario.supply) if part is not None]
+    duration = scenario.oven.duration
+    if not (math.isfinite(duration) and duration * scenario.accelerometer_rate >= 2.0):
+        raise RefusedError(f"oven.program lasts {duration:g} s, which is less than two samples of the accelerometer")
+    if duration * max(*rates, 1.0 / GRID) > MOST_SAMPLES:
         raise RefusedError(
-            f"oven.program lasts {scenario.oven.duration:g} s, which makes {samples:.0f} samples: "
+            f"oven.program lasts {duration:g} s, which makes {duration * max(*rates, 1.0 / GRID):.0f} samples: "
             f"2 to {MOST_SAMPLES} fit"
         )
-    return scenario
