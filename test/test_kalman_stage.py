@@ -86,16 +86,27 @@ def test_a_million_samples_of_noise_do_not_open_the_gate():
     assert stage.openings == 0
 
 
-def test_smooth_goes_on_at_a_new_level():
-    stamps, values = quiet(2000)
+def test_smooth_goes_on_at_a_new_level_once_it_is_steady():
+    stamps, values = quiet(4000)
     values[1000:] += 20.0
     stage = KalmanStage(SMOOTH, REFERENCE)
     outputs, _ = stage.run(stamps, values)
     assert not stage.open
-    np.testing.assert_array_equal(outputs[1000:1100], values[1000:1100])
-    # After 3 blocks of 64 quiet samples the mean of 192 is known to σ/√192, and improves from there.
-    assert abs(outputs[1400] - REFERENCE - 20.0) < 5.0 * DEVIATION / np.sqrt(192.0)
-    assert outputs[1400:].std() < 0.3 * DEVIATION
+    np.testing.assert_array_equal(outputs[1200:1900], values[1200:1900])
+    # After 16 blocks of 64 calm samples the mean of 1024 is known to σ/√1024, and the filter goes on from there.
+    assert abs(outputs[2300] - REFERENCE - 20.0) < 5.0 * DEVIATION / np.sqrt(1024.0)
+    assert outputs[2300:].std() < 0.3 * DEVIATION
+
+
+def test_it_returns_to_the_old_level_when_that_has_returned():
+    stamps, values = quiet(3000)
+    values[1000:1100] += 50.0
+    stage = KalmanStage(FilterSettings(FilterMode.SMOOTH, RandomWalkNoise.with_time_constant(0.3, 600.0)), REFERENCE)
+    outputs, _ = stage.run(stamps, values)
+    assert not stage.open
+    assert stage.openings == 1
+    # Known from 1000 samples before and those after, not from the few that closed the gate.
+    assert abs(outputs[1600:].mean() - REFERENCE) < 4.0 * DEVIATION / np.sqrt(1000.0)
 
 
 def test_bias_is_learned_at_rest_and_kept_through_sustained_acceleration():
@@ -123,9 +134,16 @@ def test_bias_does_not_start_on_a_moving_sensor():
 
 def test_vibration_passes_as_it_is():
     stamps, values = quiet(3000)
-    shaken = values + np.where(np.arange(3000) >= 500, 30.0 * np.sin(0.7 * np.arange(3000)), 0.0)
-    outputs, _ = KalmanStage(SMOOTH, REFERENCE).run(stamps, shaken)
-    # What was withheld in the 64 samples before the gate opened is given back in 192 parts where it is calm.
-    withheld = (shaken - outputs)[436:520].sum()
-    assert (np.abs(outputs - shaken)[520:] <= abs(withheld) / 192.0 + 1e-9).all()
-    assert outputs[436:].sum() == pytest.approx(shaken[436:].sum(), abs=abs(withheld))
+    shaken = values + np.where(np.arange(3000) >= 1500, 30.0 * np.sin(0.7 * np.arange(3000)), 0.0)
+    stage = KalmanStage(SMOOTH, REFERENCE)
+    outputs, is_open = np.empty(3000), np.empty(3000, dtype=bool)
+    for k in range(3000):
+        outputs[k], is_open[k] = stage.run(stamps[k : k + 1], shaken[k : k + 1])[0][0], stage.open
+    opening = int(np.flatnonzero(is_open)[0])
+    assert 1500 <= opening < 1510
+    assert is_open[opening:].all()
+    # What was withheld in the 1024 samples before the gate opened is given back in 192 parts where it is calm.
+    withheld = (shaken - outputs)[opening - 1024 : opening].sum()
+    assert (np.abs(outputs - shaken)[opening:] <= abs(withheld) / 192.0 + 1e-9).all()
+    still_owed = abs((shaken - outputs)[opening - 1024 :].sum())
+    assert still_owed < 0.7 * abs(withheld)

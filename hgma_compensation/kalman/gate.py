@@ -11,8 +11,11 @@ SCALES = (1, 4, 16, 64)
 WINDOW = SCALES[-1]
 """Samples that the longest sum covers."""
 
-QUIET_BLOCKS = 3
-"""Blocks of WINDOW samples that must agree before the gate closes."""
+RETURN_BLOCKS, NEW_LEVEL_BLOCKS = 3, 16
+"""Calm blocks of WINDOW samples after which a known level is believed again, and a new one for the first time."""
+
+AGREEMENT = 3.0
+"""Standard deviations of their noise within which two levels count as the same."""
 
 
 class InnovationGate:
@@ -41,7 +44,7 @@ class InnovationGate:
 
 
 class QuietDetector:
-    """Watches samples while the gate is open, for three blocks in a row that hold nothing but noise."""
+    """Watches samples while the gate is open, for blocks of WINDOW samples that hold nothing but noise."""
 
     def __init__(self, threshold: float) -> None:
         """Use ``threshold`` standard deviations as the gate does."""
@@ -53,25 +56,38 @@ class QuietDetector:
         self._block: list[float] = []
         self._means: list[float] = []
 
-    def mean_when_quiet(self, sample: float, deviation: float) -> float | None:
-        """Take a sample and its noise's standard deviation.
+    def block_ends(self, sample: float, deviation: float) -> bool:
+        """Take a sample and its noise's standard deviation; return whether it completed a calm block.
 
-        Return the mean of the last QUIET_BLOCKS blocks once no sample in them stands out of its block and
-        no two blocks differ by more than their noise, else None.
+        A block with a sample that stands out of it, or one that differs from the block before by more than
+        their noise, begins the wait anew.
         """
         self._block.append(sample)
         if len(self._block) < WINDOW:
-            return None
-        mean = sum(self._block) / WINDOW
-        calm = max(abs(value - mean) for value in self._block) <= self._threshold * deviation
-        self._block = []
-        tolerance = self._threshold * deviation * sqrt(2.0 / WINDOW)
-        if not calm or any(abs(mean - other) > tolerance for other in self._means):
+            return False
+        block, self._block = self._block, []
+        mean = sum(block) / WINDOW
+        tolerance = self._threshold * deviation
+        if max(abs(value - mean) for value in block) > tolerance:
             self._means = []
-        if calm:
-            self._means.append(mean)
-        if len(self._means) < QUIET_BLOCKS:
+            return False
+        if self._means and abs(mean - self._means[-1]) > tolerance * sqrt(2.0 / WINDOW):
+            self._means = []
+        self._means = [*self._means, mean][-NEW_LEVEL_BLOCKS:]
+        return True
+
+    def recent_level(self) -> float | None:
+        """Return the mean of the last RETURN_BLOCKS calm blocks, None before there are so many."""
+        if len(self._means) < RETURN_BLOCKS:
             return None
-        level = sum(self._means) / QUIET_BLOCKS
-        self.reset()
-        return level
+        return sum(self._means[-RETURN_BLOCKS:]) / RETURN_BLOCKS
+
+    def steady_level(self, deviation: float) -> float | None:
+        """Return the mean of NEW_LEVEL_BLOCKS calm blocks whose halves agree, None otherwise."""
+        if len(self._means) < NEW_LEVEL_BLOCKS:
+            return None
+        half = NEW_LEVEL_BLOCKS // 2
+        early, late = sum(self._means[:half]) / half, sum(self._means[half:]) / half
+        if abs(late - early) > AGREEMENT * deviation * sqrt(2.0 / (half * WINDOW)):
+            return None
+        return 0.5 * (early + late)

@@ -1,13 +1,18 @@
 """Gives back the velocity that the filter withheld before the gate opened.
 
 The first, weak part of a shock passes while the gate is still closed, and the smoothed output holds it
-back. What was withheld over the gate's window is added again in small instalments afterwards, so that
-the integral of the output over a shock is that of the input, and its peak is left alone.
+back; so does it the slow rise before many shocks, which is far below the noise of a sample. What was
+withheld over LOOK_BACK samples is added again in small instalments afterwards, so that the integral of
+the output over a shock is that of the input, and its peak is left alone.
 """
 
 from collections import deque
 
-from hgma_compensation.kalman.gate import QUIET_BLOCKS, WINDOW
+LOOK_BACK = 1024
+"""Samples before an opening whose integral is made good."""
+
+INSTALMENTS = 192
+"""Parts in which it is: as many samples as the gate needs to close at the least."""
 
 CALM = 3.0
 """Standard deviations: instalments are paid on samples within this of the level, never near a peak."""
@@ -22,7 +27,7 @@ class ImpulseDebt:
 
     def reset(self) -> None:
         """Forget what is owed."""
-        self._withheld: deque[float] = deque(maxlen=WINDOW)
+        self._withheld: deque[float] = deque(maxlen=LOOK_BACK)
         self._owed = self._instalment = 0.0
 
     def withhold(self, impulse: float) -> None:
@@ -30,9 +35,9 @@ class ImpulseDebt:
         self._withheld.append(impulse)
 
     def call_in(self) -> None:
-        """The gate has opened: owe what the samples in its window lack."""
+        """The gate has opened: owe what the samples before it lack."""
         self._owed += sum(self._withheld)
-        self._instalment = abs(self._owed) / (QUIET_BLOCKS * WINDOW)
+        self._instalment = abs(self._owed) / INSTALMENTS
         self._withheld.clear()
 
     def pay(self, dt: float, normalised: float) -> float:

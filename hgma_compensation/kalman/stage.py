@@ -6,7 +6,14 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from hgma_compensation.kalman.gate import QUIET_BLOCKS, WINDOW, InnovationGate, QuietDetector
+from hgma_compensation.kalman.gate import (
+    AGREEMENT,
+    NEW_LEVEL_BLOCKS,
+    RETURN_BLOCKS,
+    WINDOW,
+    InnovationGate,
+    QuietDetector,
+)
 from hgma_compensation.kalman.impulse import ImpulseDebt
 from hgma_compensation.kalman.random_walk import RandomWalkFilter
 from hgma_compensation.kalman.settings import FilterMode, FilterSettings
@@ -78,16 +85,17 @@ class KalmanStage:
         innovation_variance = level.predict(dt)
         normalised = innovation / sqrt(innovation_variance)
         if self.open:
+            output = self._output(z)
             self._wait_for_quiet(z, dt)
         elif self._gate.exceeded(normalised):
             self._open(before)
+            output = self._output(z)
         else:
             self._history.append(before)
             level.correct(innovation, innovation_variance)
             output = self._output(z)
             self._debt.withhold((z - output) * dt)
-            return output + self._debt.pay(dt, normalised), innovation
-        return self._output(z) + self._debt.pay(dt, normalised), innovation
+        return output + self._debt.pay(dt, normalised), innovation
 
     def _output(self, z: float) -> float:
         if self._bias:
@@ -106,17 +114,19 @@ class KalmanStage:
             self._debt.call_in()
 
     def _wait_for_quiet(self, z: float, dt: float) -> None:
+        """Close the gate once the level from before has returned, or (SMOOTH) another one is steady."""
         level = self._level
         assert level.variance is not None
         sample_variance = level.sample_variance(dt)
-        mean = self._quiet.mean_when_quiet(z, sqrt(sample_variance))
-        if mean is None:
+        if not self._quiet.block_ends(z, sqrt(sample_variance)):
             return
-        mean_variance = sample_variance / (QUIET_BLOCKS * WINDOW)
-        moved = abs(mean - level.estimate) > self._threshold * sqrt(level.variance + mean_variance)
-        if moved and self._bias:
-            return
-        if moved:
-            level.start(mean, mean_variance)
+        recent = self._quiet.recent_level()
+        tolerance = AGREEMENT * sqrt(level.variance + sample_variance / (RETURN_BLOCKS * WINDOW))
+        returned = recent is not None and abs(recent - level.estimate) <= tolerance
+        if not returned:
+            steady = None if self._bias else self._quiet.steady_level(sqrt(sample_variance))
+            if steady is None:
+                return
+            level.start(steady, sample_variance / (NEW_LEVEL_BLOCKS * WINDOW))
         self.open = False
         self._gate.reset()
