@@ -56,7 +56,9 @@ def test_a_filter_that_would_do_nothing_is_refused():
     values = np.random.default_rng(SEED).standard_normal(1000)
     stamps = make_stamps(np.arange(1000) * INTERVAL)
     with pytest.raises(RefusedError, match=r"longer --filter-time-constant"):
-        design_filter(FilterMode.SMOOTH, 0.01, stamps, values, "linear_acceleration.z", 0.1)
+        design_filter(FilterMode.SMOOTH, 0.01, stamps, values, "linear_acceleration.z", error=0.1, block=5.0)
     with pytest.raises(RefusedError, match="has no noise"):
-        design_filter(FilterMode.SMOOTH, 1.0, stamps, np.zeros(1000), "linear_acceleration.z", 0.1)
-    assert design_filter(FilterMode.OFF, 0.01, stamps, values, "linear_acceleration.z", 0.1).noise is None
+        design_filter(FilterMode.SMOOTH, 1.0, stamps, np.zeros(1000), "linear_acceleration.z", error=0.1, block=5.0)
+    assert (
+        design_filter(FilterMode.OFF, 0.01, stamps, values, "linear_acceleration.z", error=0.1, block=5.0).noise is None
+    )

@@ -86,6 +86,17 @@ def test_a_million_samples_of_noise_do_not_open_the_gate():
     assert stage.openings == 0
 
 
+@pytest.mark.parametrize(("wander", "opens"), [(0.0, True), (0.7, False)])
+def test_a_level_that_wanders_is_not_motion(wander, opens):
+    stamps, values = quiet(20_000)
+    # Faster than this filter follows, and 0.7 RMS: after 64 samples of σ = 0.95 that is 6 σ of their mean.
+    values += np.sin(np.arange(20_000) / 150.0)
+    noise = RandomWalkNoise.with_time_constant(NOISE.white, 600.0)
+    stage = KalmanStage(FilterSettings(FilterMode.SMOOTH, noise, wander=wander), REFERENCE)
+    stage.run(stamps, values)
+    assert (stage.openings > 0) == opens
+
+
 def test_smooth_goes_on_at_a_new_level_once_it_is_steady():
     stamps, values = quiet(4000)
     values[1000:] += 20.0

@@ -171,6 +171,7 @@ def _encode_filter(settings: FilterSettings) -> Document:
         "white_noise": settings.noise.white,
         "random_walk": settings.noise.walk,
         "gate_threshold": settings.threshold,
+        "wander": settings.wander,
     }
     if settings.mode is FilterMode.BIAS:
         document["initial_bias"] = settings.initial_bias
@@ -182,7 +183,13 @@ def _decode_filter(document: Document) -> FilterSettings:
     if mode is FilterMode.OFF:
         return FilterSettings()
     noise = RandomWalkNoise(float(document["white_noise"]), float(document["random_walk"]))
-    return FilterSettings(mode, noise, float(document["gate_threshold"]), float(document.get("initial_bias", 0.0)))
+    return FilterSettings(
+        mode,
+        noise,
+        threshold=float(document["gate_threshold"]),
+        wander=float(document["wander"]),
+        initial_bias=float(document.get("initial_bias", 0.0)),
+    )
 
 
 def _array(numbers: list[Any]) -> Array:

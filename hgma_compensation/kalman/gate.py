@@ -19,11 +19,11 @@ AGREEMENT = 3.0
 
 
 class InnovationGate:
-    """Sums of normalised innovations; white with variance 1 while the filter's model holds."""
+    """Sums of normalised innovations; at rest white with variance 1, on a level that may wander."""
 
-    def __init__(self, threshold: float) -> None:
-        """Open beyond ``threshold`` standard deviations of any sum (dimensionless)."""
-        self._limits = [threshold * sqrt(scale) for scale in SCALES]
+    def __init__(self, threshold: float, wander: float) -> None:
+        """Open beyond ``threshold`` standard deviations of any sum; wander as in FilterSettings."""
+        self._threshold, self._wander = threshold * threshold, wander * wander
         self.reset()
 
     def reset(self) -> None:
@@ -31,13 +31,17 @@ class InnovationGate:
         self._recent = deque([0.0] * WINDOW, maxlen=WINDOW)
         self._sums = [0.0] * len(SCALES)
 
-    def exceeded(self, normalised: float) -> bool:
-        """Take one innovation over its standard deviation; return whether any sum is beyond its limit."""
+    def exceeded(self, innovation: float, variance: float) -> bool:
+        """Take one innovation and its variance; return whether any sum is beyond its limit.
+
+        The white part of a sum over L samples has the variance L, the wander of the level L² times its own.
+        """
         recent, sums = self._recent, self._sums
+        normalised, wander = innovation / sqrt(variance), self._wander / variance
         beyond = False
         for k, scale in enumerate(SCALES):
             sums[k] += normalised - recent[-scale]
-            if not -self._limits[k] <= sums[k] <= self._limits[k]:
+            if not sums[k] * sums[k] <= self._threshold * (scale + wander * scale * scale):
                 beyond = True
         recent.append(normalised)
         return beyond
@@ -46,9 +50,9 @@ class InnovationGate:
 class QuietDetector:
     """Watches samples while the gate is open, for blocks of WINDOW samples that hold nothing but noise."""
 
-    def __init__(self, threshold: float) -> None:
-        """Use ``threshold`` standard deviations as the gate does."""
-        self._threshold = threshold
+    def __init__(self, threshold: float, wander: float) -> None:
+        """Use ``threshold`` standard deviations and the wander of the level as the gate does."""
+        self._threshold, self._wander = threshold, wander * wander
         self.reset()
 
     def reset(self) -> None:
@@ -67,14 +71,18 @@ class QuietDetector:
             return False
         block, self._block = self._block, []
         mean = sum(block) / WINDOW
-        tolerance = self._threshold * deviation
-        if max(abs(value - mean) for value in block) > tolerance:
+        if max(abs(value - mean) for value in block) > self._threshold * deviation:
             self._means = []
             return False
-        if self._means and abs(mean - self._means[-1]) > tolerance * sqrt(2.0 / WINDOW):
+        tolerance = self._threshold * self.deviation_of_mean(WINDOW, deviation) * sqrt(2.0)
+        if self._means and abs(mean - self._means[-1]) > tolerance:
             self._means = []
         self._means = [*self._means, mean][-NEW_LEVEL_BLOCKS:]
         return True
+
+    def deviation_of_mean(self, count: int, deviation: float) -> float:
+        """Return the standard deviation of a mean over ``count`` samples about a level that wanders."""
+        return sqrt(deviation * deviation / count + self._wander)
 
     def recent_level(self) -> float | None:
         """Return the mean of the last RETURN_BLOCKS calm blocks, None before there are so many."""
@@ -88,6 +96,6 @@ class QuietDetector:
             return None
         half = NEW_LEVEL_BLOCKS // 2
         early, late = sum(self._means[:half]) / half, sum(self._means[half:]) / half
-        if abs(late - early) > AGREEMENT * deviation * sqrt(2.0 / (half * WINDOW)):
+        if abs(late - early) > AGREEMENT * self.deviation_of_mean(half * WINDOW, deviation) * sqrt(2.0):
             return None
         return 0.5 * (early + late)

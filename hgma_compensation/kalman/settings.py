@@ -25,11 +25,14 @@ class FilterMode(str, Enum):
 class FilterSettings:
     """Mode of a channel's stage; noise where it is on.
 
-    threshold: of the gate, in standard deviations. initial_bias: standard deviation of the bias before
+    threshold: of the gate, in standard deviations. wander: standard deviation of the level at rest that is
+    not white noise (flicker, and what the drift model leaves), in the channel's unit: the gate does not
+    take it for motion. initial_bias: standard deviation of the bias before
     anything is known of it, in the channel's unit; used by BIAS only.
     """
 
     mode: FilterMode = FilterMode.OFF
     noise: RandomWalkNoise | None = None
     threshold: float = GATE_THRESHOLD
+    wander: float = 0.0
     initial_bias: float = 0.0

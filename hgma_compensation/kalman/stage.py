@@ -35,8 +35,8 @@ class KalmanStage:
         self._level = RandomWalkFilter(settings.noise)
         self._bias = settings.mode is FilterMode.BIAS
         self._reference, self._initial = reference, settings.initial_bias**2
-        self._threshold = settings.threshold
-        self._gate, self._quiet = InnovationGate(settings.threshold), QuietDetector(settings.threshold)
+        self._gate = InnovationGate(settings.threshold, settings.wander)
+        self._quiet = QuietDetector(settings.threshold, settings.wander)
         self._debt = ImpulseDebt()
         self.openings = 0
         self.reset()
@@ -87,7 +87,7 @@ class KalmanStage:
         if self.open:
             output = self._output(z)
             self._wait_for_quiet(z, dt)
-        elif self._gate.exceeded(normalised):
+        elif self._gate.exceeded(innovation, innovation_variance):
             self._open(before)
             output = self._output(z)
         else:
@@ -117,16 +117,17 @@ class KalmanStage:
         """Close the gate once the level from before has returned, or (SMOOTH) another one is steady."""
         level = self._level
         assert level.variance is not None
-        sample_variance = level.sample_variance(dt)
-        if not self._quiet.block_ends(z, sqrt(sample_variance)):
+        deviation = sqrt(level.sample_variance(dt))
+        if not self._quiet.block_ends(z, deviation):
             return
         recent = self._quiet.recent_level()
-        tolerance = AGREEMENT * sqrt(level.variance + sample_variance / (RETURN_BLOCKS * WINDOW))
+        mean_deviation = self._quiet.deviation_of_mean(RETURN_BLOCKS * WINDOW, deviation)
+        tolerance = AGREEMENT * sqrt(level.variance + mean_deviation**2)
         returned = recent is not None and abs(recent - level.estimate) <= tolerance
         if not returned:
-            steady = None if self._bias else self._quiet.steady_level(sqrt(sample_variance))
+            steady = None if self._bias else self._quiet.steady_level(deviation)
             if steady is None:
                 return
-            level.start(steady, sample_variance / (NEW_LEVEL_BLOCKS * WINDOW))
+            level.start(steady, deviation**2 / (NEW_LEVEL_BLOCKS * WINDOW))
         self.open = False
         self._gate.reset()

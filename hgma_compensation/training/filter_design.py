@@ -24,14 +24,16 @@ def design_filter(
     stamps: Stamps,
     values: NDArray[np.float64],
     channel: str,
+    *,
     error: float,
+    block: float,
 ) -> FilterSettings:
     """Return the settings of one channel's stage.
 
-    stamps, values: samples (n,) of the channel; their white noise gives R of Eq. (9). time_constant:
-    s over which the settled filter averages; the longer it is, the less noise and the more lag. Raises
-    error: RMS error of the drift model, what BIAS starts from. Raises RefusedError where the filter would
-    do nothing.
+    stamps, values: samples (n,) of the channel; their white noise gives R of Eq. (9). time_constant: s over which
+    the settled filter averages; the longer it is, the less noise and the more lag. error: RMS error of the drift
+    model over means of ``block`` s. Less the white noise of such a mean it is the wander of the level, which the
+    gate must not take for motion; BIAS starts from it. Raises RefusedError where the filter would do nothing.
     """
     if mode is FilterMode.OFF:
         return FilterSettings()
@@ -47,4 +49,5 @@ def design_filter(
             f"{channel}: a filter of {time_constant:g} s on samples every {interval:g} s divides the noise by "
             f"{reduction:.2f} only: give a longer --filter-time-constant, or --filter off"
         )
-    return FilterSettings(mode, noise, initial_bias=error if mode is FilterMode.BIAS else 0.0)
+    wander = float(np.sqrt(max(error**2 - white**2 / block, 0.0)))
+    return FilterSettings(mode, noise, wander=wander, initial_bias=error if mode is FilterMode.BIAS else 0.0)

@@ -88,8 +88,8 @@ def train_on_blocks(
     fitted = []
     for column, name in enumerate(channels):
         target = blocks.values[:, column] - references[column]
-        error = _ChannelFit(options, blocks.features, target, folds, _seed(options.seed, name))
-        fitted.append(error.calibrate(name, float(references[column]), recordings, progress))
+        fit = _ChannelFit(options, blocks.features, target, folds, _seed(options.seed, name), block)
+        fitted.append(fit.calibrate(name, float(references[column]), recordings, progress))
     return with_id(
         Calibration(
             sensor_id=options.sensor_id or recordings[0].frame or "unnamed",
@@ -110,6 +110,7 @@ class _ChannelFit:
     target: Array
     folds: Folds
     seed: int
+    block: float
 
     def calibrate(
         self, name: str, reference: float, recordings: Sequence[Recording], progress: Progress | None
@@ -134,7 +135,8 @@ class _ChannelFit:
             first.stamps,
             first.values[:, CHANNELS.index(name)],
             name,
-            error.fit if error.cross_validated is None else error.cross_validated,
+            error=error.fit if error.cross_validated is None else error.cross_validated,
+            block=self.block,
         )
         return ChannelCalibration(name, fit.drift, reference, stage, error)
 
