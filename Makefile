@@ -16,7 +16,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_PREFER_BINARY := 1
 
-.PHONY: setup demo test lint types chamber-table chamber-sensitivity clean FORCE
+.PHONY: setup demo test lint types chamber-table chamber-sensitivity paper-table clean FORCE
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.messages
@@ -42,8 +42,12 @@ chamber-table: setup
 chamber-sensitivity: setup
 	$(RUN) -m benchmarks.chamber_table --sensitivity
 
+# Table 3 of Zhu et al. 2019 on a simulated oven test, with the figures that are defined beside it: docs/PAPER.md.
+paper-table: setup
+	$(RUN) -m benchmarks.paper_table
+
 clean:
-	rm -rf $(VENV) build dist install log demo_output *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist install log demo_output paper_output *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The three stages of the set-up, each with a stamp written last. While pip changes the environment there is
