@@ -13,6 +13,7 @@ from hgma_compensation.cli import options
 from hgma_compensation.cli.terminal import console, write_json
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
 from hgma_compensation.kalman.design import settled_filter
+from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.temperature.features import NAMES, UNITS, Product
 
 
@@ -85,4 +86,7 @@ def _filter(channel: ChannelCalibration, interval: float) -> str:
     if noise is None or interval <= 0.0:
         return channel.filter.mode.value
     settled = settled_filter(noise, interval)
-    return f"{channel.filter.mode.value}, {settled.time_constant:.3g} s, white noise / {settled.noise_reduction:.3g}"
+    shown = f"{channel.filter.mode.value}, {settled.time_constant:.3g} s"
+    if channel.filter.mode is FilterMode.BIAS:
+        return shown
+    return f"{shown}, white noise / {settled.noise_reduction:.3g}"
