@@ -19,7 +19,7 @@ from rich.progress import track
 from rich.table import Table
 
 from hgma_compensation.channels import AXES
-from hgma_compensation.measured_data import VARIABLE, chamber_table
+from hgma_compensation.measured_data import CHAMBER_OUTLIERS, CHAMBER_SPLIT, VARIABLE, chamber_table
 from hgma_compensation.recording.csv_table import Columns, read_table
 from hgma_compensation.recording.recording import Recording
 from hgma_compensation.temperature.features import FeatureSettings, Product, read_features
@@ -31,11 +31,7 @@ from hgma_compensation.training.thermistor import feature_settings
 from hgma_compensation.training.train import TrainingOptions, train_on_blocks
 
 CHANNELS = tuple(f"linear_acceleration.{axis}" for axis in AXES)
-SPLIT = 3128.0
 ROWS = 10
-OUTLIERS = 5
-"""Rows at the start of the file that are a start-up outlier, as its description says."""
-
 BLOCK = 5.0
 DEFAULTS = GeneticSettings()
 VARIANTS = {
@@ -70,7 +66,7 @@ def measure(
     path: Path, seeds: Sequence[int], methods: Sequence[Method] = tuple(NAMES), genetic: GeneticSettings = DEFAULTS
 ) -> Figures:
     """Train every method with every seed and judge it on the last cooling."""
-    whole, training = load(path), load(path, end=SPLIT)
+    whole, training = load(path), load(path, end=CHAMBER_SPLIT)
     settings = feature_settings([training], delay=60.0, product=Product.DELAY, reference_temperature=25.0)
     held_out = last_cooling(whole, settings)
     blocks = block_means([training], CHANNELS, settings, BLOCK)
@@ -92,14 +88,14 @@ def measure(
 def load(path: Path, end: float | None = None) -> Recording:
     """Return the chamber recording, or its part before end (s)."""
     columns = {f"linear_acceleration.{axis}": f"acc_{axis}_mps2" for axis in AXES}
-    return read_table(path, Columns("t_s", "temp_C", columns, end=end, skip_rows=OUTLIERS))
+    return read_table(path, Columns("t_s", "temp_C", columns, end=end, skip_rows=CHAMBER_OUTLIERS))
 
 
 def last_cooling(whole: Recording, settings: FeatureSettings) -> Blocks:
     """Return means over ten rows of the last cooling, with the features that the history before it gives."""
     history = TemperatureTrack(settings.noise)
     history.extend(whole.temperature.stamps, whole.temperature.values)
-    keep = whole.stamps >= round(SPLIT * 1e9)
+    keep = whole.stamps >= round(CHAMBER_SPLIT * 1e9)
     features = read_features(history, settings, whole.stamps[keep])
     rows = np.column_stack([whole.stamps[keep] * 1e-9, features.values, whole.values[keep, :3]])
     full = rows[: len(rows) // ROWS * ROWS]

@@ -19,7 +19,7 @@ from hgma_compensation.training.genetic import GeneticSettings
 from hgma_compensation.training.methods import Method
 from hgma_compensation.training.reference import Reference
 from hgma_compensation.training.thermistor import feature_settings
-from hgma_compensation.training.train import MOST_BLOCKS, TrainingOptions, train_on_blocks
+from hgma_compensation.training.train import TrainingOptions, block_length, train_on_blocks
 
 FILTER_TIME_CONSTANT = 150.0
 """s: long enough for both of the paper's noise ratios on a still record at 10 Hz, with the margin that B needs."""
@@ -104,7 +104,7 @@ class Trainer:
 
     @property
     def _block(self) -> float:
-        return max(TrainingOptions.block, self.test.training.duration / MOST_BLOCKS)
+        return block_length([self.test.training], TrainingOptions.block)
 
     def _train(self, method: Method, blocks: Blocks) -> Calibration:
         """Return a calibration; inputs that never varied are clamped away by its calibrated range."""
@@ -123,10 +123,11 @@ class Trainer:
         """Return the calibration with a Kalman stage designed on the training cycles."""
         channel, recording = calibration.channels[0], self.test.training
         values = self.test.column(recording)
-        error = channel.error.cross_validated or channel.error.fit
         time_constant = self.time_constant if mode is FilterMode.SMOOTH else None
         block = float(calibration.training["block"])
-        stage = design_filter(mode, time_constant, recording.stamps, values, channel.name, error=error, block=block)
+        stage = design_filter(
+            mode, time_constant, recording.stamps, values, channel.name, error=channel.error.unseen, block=block
+        )
         return replace(calibration, channels=(replace(channel, filter=stage),))
 
 

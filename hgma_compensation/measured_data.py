@@ -5,6 +5,12 @@ from pathlib import Path
 
 VARIABLE = "HGMA_MEASURED_DATA"
 
+CHAMBER_SPLIT = 3128.0
+"""s: top of the heating in the chamber recording; the cooling after it is held out."""
+
+CHAMBER_OUTLIERS = 5
+"""Rows at the start of that file that are a start-up outlier, as its description says."""
+
 
 def measured_data() -> Path | None:
     """Return the folder of measured data, None where there is none.

@@ -20,6 +20,11 @@ class ChannelError:
     noise: float
     cross_validated: float | None = None
 
+    @property
+    def unseen(self) -> float:
+        """Best guess of the error on data that was not fitted."""
+        return self.fit if self.cross_validated is None else self.cross_validated
+
 
 @dataclass(frozen=True)
 class ChannelCalibration:

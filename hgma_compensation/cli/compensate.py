@@ -8,10 +8,9 @@ import numpy as np
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.cli import options
 from hgma_compensation.cli.terminal import check_new, counting_bar, write_json
-from hgma_compensation.errors import RefusedError
 from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.recording.bag_writer import Storage
-from hgma_compensation.recording.compensated_bag import write_compensated
+from hgma_compensation.recording.compensated_bag import check_covered, write_compensated
 from hgma_compensation.topics import TopicNames
 
 
@@ -30,10 +29,7 @@ def command(
     model = read_calibration(calibration)
     with counting_bar("reading") as advance:
         recording = read_recording(bag, names, advance)
-    recording.require_temperature()
-    missing = [name for name in model.names if name not in recording.present]
-    if missing:
-        raise RefusedError(f"bag {bag} has no channel {', '.join(missing)}, which the calibration covers")
+    check_covered(recording, model)
     with counting_bar("writing", len(recording.stamps) + len(recording.temperature.stamps)) as advance:
         result = write_compensated(bag, recording, model, output, names=names, storage=storage, progress=advance)
     figures = {

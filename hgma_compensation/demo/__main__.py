@@ -20,7 +20,7 @@ from hgma_compensation.demo.processes import run_hgma
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.evaluation.evaluate import Evaluation, compare
 from hgma_compensation.evaluation.plots import plot_evaluation
-from hgma_compensation.measured_data import VARIABLE, chamber_table
+from hgma_compensation.measured_data import CHAMBER_OUTLIERS, CHAMBER_SPLIT, VARIABLE, chamber_table
 from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.recording.bag_writer import write_recording
 from hgma_compensation.recording.compensated_bag import compensate_recording
@@ -30,9 +30,6 @@ OUTPUT = Path("demo_output")
 OVEN_BAG = Path("bags/oven_test")
 OVEN_SPLIT = 17_100.0
 """s: end of the second cycle of params/oven_test.yaml; the third has a ramp rate of its own."""
-
-CHAMBER_SPLIT = 3128.0
-"""s: top of the heating; the cooling after it is held out."""
 
 WALL_TIME = 40.0
 """s that the playing of the held-out part takes."""
@@ -67,7 +64,7 @@ def cases() -> Iterator[Case]:
         return
     folder = _fresh(OUTPUT / "chamber")
     columns = [word for axis in AXES for word in (f"--linear-acceleration-{axis}", f"acc_{axis}_mps2")]
-    table_options = ["--time", "t_s", "--temperature", "temp_C", *columns, "--skip-rows", "5"]
+    table_options = ["--time", "t_s", "--temperature", "temp_C", *columns, "--skip-rows", str(CHAMBER_OUTLIERS)]
     run_hgma("import-csv", chamber, "-o", folder / "training", *table_options, "--until", str(CHAMBER_SPLIT))
     run_hgma("import-csv", chamber, "-o", folder / "held_out", *table_options, "--from", str(CHAMBER_SPLIT))
     yield Case(

@@ -11,12 +11,9 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
-from hgma_compensation.node.interfaces import drain
+from hgma_compensation.node.interfaces import SETTLING, drain
 from hgma_compensation.node.message_types import message_class
 from hgma_compensation.recording.bag_writer import BagWriter, new_bag
-
-SETTLING = 0.5
-"""s in which the other side of a new connection learns of it: discovery is not symmetric."""
 
 QOS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
 

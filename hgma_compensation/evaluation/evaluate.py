@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import columns_of, unit_of
-from hgma_compensation.errors import RefusedError
 from hgma_compensation.evaluation.allan import allan_curve, bias_instability, velocity_random_walk
-from hgma_compensation.recording.compensated_bag import compensate_recording, usable_rows
+from hgma_compensation.recording.compensated_bag import check_covered, compensate_recording, usable_rows
 from hgma_compensation.recording.recording import Recording
 from hgma_compensation.stamps import Stamps, seconds_between
 from hgma_compensation.training.blocks import group_means, noise_of_means
@@ -76,10 +75,7 @@ def evaluate(recording: Recording, calibration: Calibration, reference: Referenc
 
     Raises RefusedError where the recording lacks a channel of the calibration or a thermistor.
     """
-    recording.require_temperature()
-    missing = [name for name in calibration.names if name not in recording.present]
-    if missing:
-        raise RefusedError(f"{recording.name} has no channel {', '.join(missing)}, which the calibration covers")
+    check_covered(recording, calibration)
     result = compensate_recording(recording, calibration)
     rows = usable_rows(recording, calibration)
     raw = recording.values[rows][:, columns_of(calibration.names)]
@@ -102,11 +98,13 @@ def compare(
     index = np.floor(time / MEAN_SECONDS).astype(np.int64)
     count = len(calibration.names)
     means = group_means(index, np.column_stack([time, temperature, raw, compensated]))
+    raw_reference = reference.of(calibration.names, raw)
+    compensated_reference = reference.of(calibration.names, compensated)
     channels = []
     for column, name in enumerate(calibration.names):
         before, after = means[:, 2 + column], means[:, 2 + count + column]
-        raw_error = before - reference.of(calibration.names, raw)[column]
-        compensated_error = after - reference.of(calibration.names, compensated)[column]
+        raw_error = before - raw_reference[column]
+        compensated_error = after - compensated_reference[column]
         channels.append(
             ChannelEvaluation(
                 name=name,

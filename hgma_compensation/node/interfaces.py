@@ -10,6 +10,9 @@ from rclpy.subscription import Subscription
 QUEUE = 1000
 """Messages held between two wake-ups: a second at 1 kHz."""
 
+SETTLING = 0.5
+"""s in which the other side of a connection learns of it: discovery is not symmetric. Also its grace at the end."""
+
 # Sensor data as everywhere in ROS: whoever publishes reliably or not is heard.
 INPUT_QOS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=QUEUE, reliability=ReliabilityPolicy.BEST_EFFORT)
 OUTPUT_QOS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=QUEUE, reliability=ReliabilityPolicy.RELIABLE)

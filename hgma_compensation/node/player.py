@@ -1,7 +1,7 @@
 """Publishes a recording to ROS, as ``ros2 bag play`` does where that is installed."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,27 +10,22 @@ import rclpy
 from builtin_interfaces.msg import Time
 from rclpy.duration import Duration
 from rclpy.node import Node
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosbags.interfaces import Connection
 from rosgraph_msgs.msg import Clock
 
 from hgma_compensation import topics
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.node.interfaces import OUTPUT_QOS, SETTLING
 from hgma_compensation.node.message_types import message_class
+from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording.bag_reader import open_bag, read_messages
 from hgma_compensation.stamps import NANOSECONDS
-
-QOS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.RELIABLE)
-SETTLING = 0.5
-"""s to wait for the other side of a connection, at its begin and before its end."""
 
 ACKNOWLEDGED = 5.0
 """s to wait at the end until reliable readers have everything."""
 
 CLOCK_PERIOD = 0.01
 """s of wall time between two messages on /clock."""
-
-Progress = Callable[[int], None]
 
 
 @dataclass(frozen=True)
@@ -50,7 +45,7 @@ class PlayOptions:
 class Player:
     """One bag on its way to ROS."""
 
-    def __init__(self, node: Node, path: Path, options: PlayOptions, progress: Progress | None = None) -> None:
+    def __init__(self, node: Node, path: Path, options: PlayOptions, progress: Advance | None = None) -> None:
         """Publish from a node of the caller's."""
         self._node, self._path, self._options, self._progress = node, Path(path), options, progress
         self._published = {options.names[topic]: topic for topic in topics.INPUTS}
@@ -67,11 +62,10 @@ class Player:
             self._wait([p for p in publishers.values() if p is not None])
             count = 0
             while rclpy.ok():
-                for publisher, raw in self._paced(read_messages(reader, self._path, connections), publishers):
+                messages = self._paced(read_messages(reader, self._path, connections), publishers)
+                for publisher, raw in counted(messages, self._progress, every=100):
                     publisher.publish(raw)
                     count += 1
-                    if self._progress is not None and count % 100 == 0:
-                        self._progress(100)
                 if not self._options.loop:
                     break
             for publisher in filter(None, publishers.values()):
@@ -86,7 +80,9 @@ class Player:
         except (ValueError, AttributeError, ModuleNotFoundError):
             self._node.get_logger().warning(f"{connection.topic} is not played: {connection.msgtype} is not installed")
             return None
-        return self._node.create_publisher(message_type, self._published.get(connection.topic, connection.topic), QOS)
+        return self._node.create_publisher(
+            message_type, self._published.get(connection.topic, connection.topic), OUTPUT_QOS
+        )
 
     def _wait(self, publishers: Sequence[Any]) -> None:
         """Wait until every topic of the node that is played has a subscriber, at most ``wait`` s."""

@@ -95,7 +95,8 @@ class Pipeline:
     def _compensate_chunk(self, stamps: Stamps, values: NDArray[np.float64]) -> Compensated:
         calibration = self.calibration
         features = read_features(self.track, calibration.features, stamps)
-        status = temperature_status(features, calibration.features, calibration.calibrated_range)
+        inside = calibration.calibrated_range.contains(features.values)
+        status = temperature_status(features, calibration.features, inside)
         # Without any temperature the drift at the middle of the range is the best guess there is; the
         # status says that it is one.
         missing = (status == TemperatureStatus.MISSING)[:, None]
@@ -105,7 +106,6 @@ class Pipeline:
         innovation = np.zeros_like(corrected)
         for stretch in self._stretches(stamps):
             self._filter(stamps[stretch], corrected[stretch], innovation[stretch])
-        inside = calibration.calibrated_range.contains(features.values)
         return Compensated(corrected, drift, innovation, known, inside, status)
 
     def _drift(self, features: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,7 +5,6 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from hgma_compensation.drift.model import CalibratedRange
 from hgma_compensation.temperature.features import Features, FeatureSettings
 
 
@@ -21,16 +20,16 @@ class TemperatureStatus(IntEnum):
 
 
 def temperature_status(
-    features: Features, settings: FeatureSettings, calibrated_range: CalibratedRange
+    features: Features, settings: FeatureSettings, inside_range: NDArray[np.bool_]
 ) -> NDArray[np.uint8]:
-    """Return the status of each sample, shape (n,).
+    """Return the status of each sample, shape (n,); inside_range: (n,) whether its features lie in the box.
 
     MISSING before the first thermistor sample; STALE when the newest is older than the prediction
     horizon; SETTLING until the history covers the delay of ΔT; OUT_OF_RANGE outside the calibrated box.
     """
     status = np.full(len(features.age), TemperatureStatus.OK, dtype=np.uint8)
     status[features.since_start < settings.delay] = TemperatureStatus.SETTLING
-    status[~calibrated_range.contains(features.values)] = TemperatureStatus.OUT_OF_RANGE
+    status[~inside_range] = TemperatureStatus.OUT_OF_RANGE
     status[features.age > settings.prediction_horizon] = TemperatureStatus.STALE
     status[np.isinf(features.age)] = TemperatureStatus.MISSING
     return status

@@ -1,6 +1,6 @@
 """Reads a recording out of a rosbag2 folder or file, MCAP or SQLite."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -13,11 +13,9 @@ from hgma_compensation import topics
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.messages import absent_groups, block_samples, imu_values, stamp_of, widen_block
+from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.recording import Recording, Series, present_channels
-
-Progress = Callable[[int], None]
-"""Called with the number of messages read since the last call."""
 
 
 @contextmanager
@@ -64,7 +62,7 @@ def connections_of(reader: AnyReader, topic: str, message_type: str, path: Path)
     return found
 
 
-def read_recording(path: Path, names: topics.TopicNames | None = None, progress: Progress | None = None) -> Recording:
+def read_recording(path: Path, names: topics.TopicNames | None = None, progress: Advance | None = None) -> Recording:
     """Return a bag as a recording.
 
     Accelerations come from the message topic, or from the block topic where there are no messages.
@@ -93,7 +91,7 @@ def read_recording(path: Path, names: topics.TopicNames | None = None, progress:
 class _Reading:
     """One pass over each topic of an open bag."""
 
-    def __init__(self, reader: AnyReader, path: Path, progress: Progress | None) -> None:
+    def __init__(self, reader: AnyReader, path: Path, progress: Advance | None) -> None:
         self._reader, self._path, self._progress = reader, path, progress
 
     def connections(self, topic: str, message_type: str) -> list[Connection]:
@@ -101,9 +99,7 @@ class _Reading:
         return found if any(connection.msgcount for connection in found) else []
 
     def _messages(self, connections: list[Connection]) -> Iterator[Any]:
-        for count, (connection, _, raw) in enumerate(read_messages(self._reader, self._path, connections)):
-            if self._progress is not None and count % 1000 == 999:
-                self._progress(1000)
+        for connection, _, raw in counted(read_messages(self._reader, self._path, connections), self._progress):
             try:
                 yield self._reader.deserialize(raw, connection.msgtype)
             except Exception as error:  # whatever a parser raises on damaged bytes

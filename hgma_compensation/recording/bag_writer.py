@@ -1,6 +1,6 @@
 """Writes rosbag2 folders; each appears whole or not at all."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import Enum
 from pathlib import Path
@@ -10,13 +10,12 @@ from rosbags.interfaces import Connection
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
 from hgma_compensation.files import new_directory
+from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.bag_events import merged
 from hgma_compensation.recording.ground_truth import GroundTruth
 from hgma_compensation.recording.recording import Recording
 from hgma_compensation.stamps import NANOSECONDS
-
-Progress = Callable[[int], None]
 
 
 class Storage(str, Enum):
@@ -82,7 +81,7 @@ def write_recording(
     recording: Recording,
     path: Path,
     storage: Storage = Storage.MCAP,
-    progress: Progress | None = None,
+    progress: Advance | None = None,
     truth: GroundTruth | None = None,
     block: int = 1,
 ) -> None:
@@ -92,8 +91,5 @@ def write_recording(
     block: accelerometer samples in one message; above 1 they are AccelBlocks, logged at their last sample.
     """
     with new_bag(path, storage) as bag:
-        events = merged(bag, recording, truth, block)
-        for count, (time, _, connection, message) in enumerate(events):
+        for time, _, connection, message in counted(merged(bag, recording, truth, block), progress):
             bag.write(connection, time, message)
-            if progress is not None and count % 1000 == 999:
-                progress(1000)

@@ -11,11 +11,13 @@ from rosbags.interfaces import Connection
 from hgma_compensation import topics
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import columns_of
+from hgma_compensation.errors import RefusedError
 from hgma_compensation.messages import patch_block, patch_imu
 from hgma_compensation.pipeline.pipeline import Compensated, Pipeline
 from hgma_compensation.pipeline.state_fields import state_fields
+from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording import typestore as types
-from hgma_compensation.recording.bag_reader import Progress, open_bag, read_messages
+from hgma_compensation.recording.bag_reader import open_bag, read_messages
 from hgma_compensation.recording.bag_writer import BagWriter, Storage, new_bag
 from hgma_compensation.recording.recording import Recording
 
@@ -23,6 +25,14 @@ from hgma_compensation.recording.recording import Recording
 def usable_rows(recording: Recording, calibration: Calibration) -> NDArray[np.bool_]:
     """Return for each sample whether all calibrated channels are finite; the node skips the others too."""
     return np.asarray(np.isfinite(recording.values[:, columns_of(calibration.names)]).all(axis=1))
+
+
+def check_covered(recording: Recording, calibration: Calibration) -> None:
+    """Raise RefusedError where the recording lacks a thermistor or a channel of the calibration."""
+    recording.require_temperature()
+    missing = [name for name in calibration.names if name not in recording.present]
+    if missing:
+        raise RefusedError(f"{recording.name} has no channel {', '.join(missing)}, which the calibration covers")
 
 
 def compensate_recording(recording: Recording, calibration: Calibration) -> Compensated:
@@ -41,7 +51,7 @@ def write_compensated(
     *,
     names: topics.TopicNames,
     storage: Storage = Storage.MCAP,
-    progress: Progress | None = None,
+    progress: Advance | None = None,
 ) -> Compensated:
     """Write the bag ``source`` with the output topics of the node added, and return the result.
 
@@ -50,10 +60,8 @@ def write_compensated(
     result = compensate_recording(recording, calibration)
     with open_bag(source) as reader, new_bag(path, storage) as bag:
         copying = _Copy(reader, bag, names, calibration, result, usable_rows(recording, calibration))
-        for count, (connection, time, raw) in enumerate(read_messages(reader, source, copying.sources)):
+        for connection, time, raw in counted(read_messages(reader, source, copying.sources), progress):
             copying.take(connection, time, raw)
-            if progress is not None and count % 1000 == 999:
-                progress(1000)
     return result
 
 

@@ -67,9 +67,14 @@ def train(recordings: Sequence[Recording], options: TrainingOptions, progress: P
         product=options.product,
         reference_temperature=options.reference_temperature,
     )
-    block = max(options.block, sum(r.duration for r in recordings) / MOST_BLOCKS)
+    block = block_length(recordings, options.block)
     blocks = block_means(recordings, channels, settings, block)
     return train_on_blocks(blocks, recordings, channels, settings, block, options, progress)
+
+
+def block_length(recordings: Sequence[Recording], shortest: float) -> float:
+    """Return the length (s) of the means to fit: the shortest, unless that makes more than MOST_BLOCKS of them."""
+    return max(shortest, sum(recording.duration for recording in recordings) / MOST_BLOCKS)
 
 
 def train_on_blocks(
@@ -135,7 +140,7 @@ class _ChannelFit:
             first.stamps,
             first.values[:, CHANNELS.index(name)],
             name,
-            error=error.fit if error.cross_validated is None else error.cross_validated,
+            error=error.unseen,
             block=self.block,
         )
         return ChannelCalibration(name, fit.drift, reference, stage, error)
