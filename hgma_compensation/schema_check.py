@@ -118,13 +118,18 @@ def _check_object(value: dict[str, Any], schema: Schema, root: Schema, path: str
     for name in schema.get("required", ()):
         if name not in value:
             raise _refuse(path, f"lacks the field {name!r}")
+    if len(value) > schema.get("maxProperties", len(value)):
+        raise _refuse(path, f"has {len(value)} fields, must have at most {schema['maxProperties']}")
+    named = [(name, sub) for name, sub in properties.items() if name in value]
+    for pattern, sub in schema.get("patternProperties", {}).items():
+        named += [(name, sub) for name in value if re.search(pattern, name)]
     if schema.get("additionalProperties") is False:
+        known = {name for name, _ in named}
         for name in value:
-            if name not in properties:
+            if name not in known:
                 raise _refuse(path, f"has the unknown field {_show(name)}")
-    for name, sub in properties.items():
-        if name in value:
-            _check(value[name], sub, root, _join(path, name))
+    for name, sub in named:
+        _check(value[name], sub, root, _join(path, name))
 
 
 def _check_array(value: list[Any], schema: Schema, root: Schema, path: str) -> None:

@@ -12,6 +12,7 @@ from hgma_compensation.drift.inputs import InputScaling
 from hgma_compensation.drift.model import CalibratedRange, DriftModel
 from hgma_compensation.drift.polynomial import CUBIC_WITH_RATE, PolynomialDrift
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
+from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.kalman.random_walk import RandomWalkNoise
 from hgma_compensation.kalman.settings import FilterMode, FilterSettings
 from hgma_compensation.recording.recording import Recording, Series
@@ -113,6 +114,7 @@ def make_calibration(
     delay: float = 20.0,
     latency: float = 0.05,
     sensor_id: str = "imu_link",
+    effects: Sequence[AppliedEffect] = (),
 ) -> Calibration:
     """Return a valid calibration with its id; method: rbf or polynomial, for all channels."""
     drifts: list[DriftModel] = [
@@ -144,5 +146,6 @@ def make_calibration(
                 "reference": "mean",
                 "recordings": [{"name": "made", "start": EPOCH, "duration": 600.0, "samples": 12000}],
             },
+            effects=tuple(effects),
         )
     )

@@ -1,6 +1,11 @@
 """Fixtures of all tests."""
 
+import os
 from pathlib import Path
+
+# Linear algebra here is small: threads gain nothing, and on a busy machine they wait for each other. Read when numpy
+# is imported, and handed on to the processes that tests start.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import pytest
 from builders import make_calibration

@@ -13,7 +13,7 @@ from sensor_msgs.msg import Imu, Temperature
 from std_srvs.srv import Trigger
 
 from hgma_compensation.stamps import NANOSECONDS
-from hgma_msgs.msg import AccelBlock, CompensationState
+from hgma_msgs.msg import AccelBlock, CompensationState, SupplyVoltage
 from hgma_msgs.srv import LoadCalibration
 
 QOS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
@@ -33,6 +33,8 @@ class Robot:
         self.raw = self.node.create_publisher(Imu, "accel/raw", QOS)
         self.raw_block = self.node.create_publisher(AccelBlock, "accel/raw_block", QOS)
         self.temperature = self.node.create_publisher(Temperature, "accel/temperature", QOS)
+        self.temperature_2 = self.node.create_publisher(Temperature, "accel/temperature_2", QOS)
+        self.supply_voltage = self.node.create_publisher(SupplyVoltage, "accel/supply_voltage", QOS)
         self.compensated = self.collect(Imu, "accel/compensated")
         self.blocks = self.collect(AccelBlock, "accel/compensated_block")
         self.states = self.collect(CompensationState, "accel/state")
@@ -55,9 +57,9 @@ class Robot:
             self._executor.spin_once(timeout_sec=0.05)
 
     def connect(self):
-        """Wait until the node hears both inputs and we hear its outputs."""
+        """Wait until the node hears all inputs and we hear its outputs."""
         outputs = ("accel/compensated", "accel/compensated_block", "accel/state")
-        inputs = (self.raw, self.raw_block, self.temperature)
+        inputs = (self.raw, self.raw_block, self.temperature, self.temperature_2, self.supply_voltage)
         self.wait(
             lambda: (
                 all(publisher.get_subscription_count() for publisher in inputs)

@@ -3,7 +3,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import make_calibration, make_recording
+from builders import LINEAR, make_calibration, make_recording
+from effect_calibrations import OFFERED, applied, with_all_inputs
 
 from hgma_compensation import topics
 from hgma_compensation.errors import RefusedError
@@ -11,7 +12,7 @@ from hgma_compensation.messages import stamp_of
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.bag_reader import open_bag, read_messages, read_recording
 from hgma_compensation.recording.bag_writer import Storage, new_bag, write_recording
-from hgma_compensation.recording.compensated_bag import compensate_recording, write_compensated
+from hgma_compensation.recording.compensated_bag import check_covered, compensate_recording, write_compensated
 from hgma_compensation.recording.recording import Series
 
 RECORDING = make_recording(duration_s=20.0, accel_rate=10.0, thermistor_rate=2.0, cycles=1.0, name="bag")
@@ -194,3 +195,18 @@ def test_a_part_is_cut_out_by_time_from_the_start():
 def test_a_recording_without_thermistor_says_which_topic_is_missing():
     with pytest.raises(RefusedError, match=r"/accel/temperature"):
         replace(RECORDING, temperature=Series.empty()).require_temperature()
+
+
+def test_a_bag_with_every_input_is_compensated_with_the_effects_that_need_them(tmp_path):
+    recording = with_all_inputs()
+    wanted = [effect for effect in OFFERED[LINEAR[2]] if effect.needs]
+    effects = [applied(LINEAR[2], effect, np.random.default_rng(1)) for effect in wanted]
+    calibration = make_calibration(channels=LINEAR[2:], effects=effects)
+    write_recording(recording, tmp_path / "in")
+    read = read_recording(tmp_path / "in")
+    check_covered(read, calibration)
+    write_compensated(tmp_path / "in", read, calibration, tmp_path / "out", names=topics.TopicNames())
+    drift = [message.drift.tolist() for message in messages(tmp_path / "out", "/accel/state")]
+    assert drift == compensate_recording(recording, calibration).drift.tolist()
+    for topic, series in (("temperature_2", recording.temperature_2), ("supply_voltage", recording.supply_voltage)):
+        assert len(messages(tmp_path / "out", f"/accel/{topic}")) == len(series.stamps)

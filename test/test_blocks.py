@@ -84,6 +84,15 @@ def test_samples_before_settling_and_without_a_recent_thermistor_are_left_out():
     np.testing.assert_array_equal(np.floor(blocks.time), expected)
 
 
+def test_settling_is_left_out_after_every_power_on():
+    recording = make_recording(duration_s=300.0, accel_rate=10.0)
+    seconds = (recording.temperature.stamps - EPOCH) / NANOSECONDS
+    kept = (seconds <= 100.0) | (seconds >= 170.0)
+    thermistor = Series(recording.temperature.stamps[kept], recording.temperature.values[kept])
+    blocks = block_means([replace(recording, temperature=thermistor)], [CHANNEL], SETTINGS, 1.0)
+    np.testing.assert_array_equal(np.floor(blocks.time), np.r_[np.arange(10, 111), np.arange(180, 300)])
+
+
 def test_samples_that_are_not_finite_are_left_out():
     recording = make_recording(duration_s=300.0, accel_rate=10.0)
     values = recording.values.copy()

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import make_calibration
+from builders import LINEAR, make_calibration
+from effect_calibrations import OFFERED, applied
 
 from hgma_compensation.calibration.document import parse_calibration, read_calibration, write_calibration
 from hgma_compensation.errors import RefusedError
@@ -18,6 +19,9 @@ KINDS = {
     "rbf": {},
     "polynomial": {"method": "polynomial", "delay": 17.3, "latency": 0.07},
     "smooth": {"mode": FilterMode.SMOOTH, "product": Product.REFERENCE},
+    "effects": {
+        "effects": [applied(LINEAR[1], effect, np.random.default_rng(5)) for effect in OFFERED[LINEAR[1]][:64]]
+    },
 }
 
 
@@ -35,12 +39,18 @@ def test_file_to_calibration_to_file_is_bit_for_bit(kind, tmp_path):
     for ours, theirs in zip(read.channels, kind.channels, strict=True):
         assert ours.drift.evaluate(features).tobytes() == theirs.drift.evaluate(features).tobytes()
         assert replace(ours, drift=None) == replace(theirs, drift=None)
+    assert [replace(e, gains=None) for e in read.effects] == [replace(e, gains=None) for e in kind.effects]
+    for ours, theirs in zip(read.effects, kind.effects, strict=True):
+        assert ours.gains.tobytes() == theirs.gains.tobytes()
     assert read.features == kind.features
     assert (read.sensor_id, read.training, read.calibration_id) == (kind.sensor_id, kind.training, kind.calibration_id)
 
 
 def test_id_is_that_of_the_content():
     assert make_calibration().calibration_id == make_calibration().calibration_id
+    assert (
+        make_calibration().calibration_id == "sha256-c0d41d9ef50be019"
+    )  # of every file written before there were effects
     others = [make_calibration(seed=2), make_calibration(delay=21.0), make_calibration(sensor_id="other")]
     assert len({c.calibration_id for c in [make_calibration(), *others]}) == 4
 

@@ -42,6 +42,25 @@ def set_at(*keys, value):
     return change
 
 
+EFFECT = {
+    "effect": "stress_relaxation",
+    "channel": "linear_acceleration.z",
+    "parameters": {"time_constant": 900.0, "spread": 1.0},
+    "gains": [0.1],
+}
+
+
+def with_effect(**changes):
+    """Put one effect into a document, with other fields or, by their names, other parameters."""
+
+    def change(document):
+        effect = {**EFFECT, **{name: value for name, value in changes.items() if name in EFFECT}}
+        others = {name: value for name, value in changes.items() if name not in EFFECT}
+        document["effects"] = [{**effect, "parameters": {**effect["parameters"], **others}}]
+
+    return change
+
+
 CHANGES = [
     (set_at("version", value=2), "version is 2, this program reads version 1: train again"),
     (set_at("version", value=True), "version is True, this program reads version 1: train again"),
@@ -70,14 +89,30 @@ CHANGES = [
         "calibrated_range.temperature is empty",
     ),
     (set_at("calibrated_range", "temperature_rate", value=[0.0, 0.0]), "calibrated_range.temperature_rate is empty"),
-    (set_at("effects", value=[{"name": "thermal_lag"}]), "effects has 1 elements, must have 0"),
+    (set_at("effects", value=[{"name": "thermal_lag"}]), r"effects\[0\] lacks the field 'effect'"),
+    (with_effect(effect="magic"), r"effects\[0\]\.effect 'magic' is unknown, must be one of aging, .*warm_up"),
+    (with_effect(channel="angular_velocity.x"), r"effects\[0\]\.channel is 'angular_velocity.x', must be calibrated"),
+    (with_effect(channel="z"), r"effects\[0\]\.channel is 'z', must be one of"),
+    (with_effect(parameters={}), r"effects\[0\]\.parameters lacks the field 'time_constant'"),
+    (with_effect(time_constant=1.0), r"effects\[0\]\.parameters\.time_constant is 1\.0, must be \d+ to 200000 s"),
+    (with_effect(time_constant="long"), r"effects\[0\]\.parameters\.time_constant is 'long', .* wrong type"),
+    (with_effect(time_constant=[1.0]), r"effects\[0\]\.parameters\.time_constant is an array, must be a number or a"),
+    (with_effect(delay=1.0), r"effects\[0\]\.parameters has the unknown field 'delay'"),
+    (with_effect(gains=[1.0, 2.0]), r"effects\[0\]\.gains has 2 elements, must have 1 with these parameters"),
+    (with_effect(gains=[1e308]), r"effects\[0\] overflows inside the calibrated range"),
+    (
+        with_effect(effect="quadratic_nonlinearity", parameters={"channel": "linear_acceleration.x"}),
+        r"effects\[0\]\.parameters\.channel is 'linear_acceleration.x', must be 'linear_acceleration.z'",
+    ),
+    (lambda document: document.update(effects=[EFFECT] * 65), "effects has 65 elements, must have 0 to 64"),
     (set_at("features", "delay", value=0), "features.delay is 0, must be above 0"),
+    (set_at("features", "prediction_horizon", value=60.5), "features.prediction_horizon is 60.5, must be at most 60"),
     (lambda document: document.pop("training"), "the document lacks the field 'training'"),
     (lambda document: document.update(note="mine"), "the document has the unknown field 'note'"),
 ]
 
 
-@pytest.mark.parametrize(("change", "reason"), CHANGES, ids=[reason[:40] for _, reason in CHANGES])
+@pytest.mark.parametrize(("change", "reason"), CHANGES, ids=[reason[:60] for _, reason in CHANGES])
 def test_file_with_wrong_content_is_refused_naming_field_and_remedy(calibration_file, change, reason):
     rewrite(calibration_file, change)
     with pytest.raises(RefusedError, match=reason):

@@ -7,6 +7,8 @@ from builders import make_calibration, make_recording
 
 from hgma_compensation.calibration.document import read_calibration, write_calibration
 from hgma_compensation.cli.main import COMMANDS, main
+from hgma_compensation.effects.applied import AppliedEffect
+from hgma_compensation.effects.registry import make
 from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.recording.bag_writer import write_recording
 
@@ -92,6 +94,27 @@ def test_a_bag_can_be_written_as_sqlite(tmp_path, bag, calibration_file):
     assert run("compensate", bag, "-o", tmp_path / "out", *arguments) == 0
     assert (tmp_path / "out" / "out.db3").exists()
     assert len(read_recording(tmp_path / "out").stamps) == 6000
+
+
+def test_effects_are_shown_in_words_and_their_inputs_demanded(tmp_path, bag, capsys):
+    creep = make("stress_relaxation", {"time_constant": 900.0, "spread": 3.0})
+    gradient = make("thermal_gradient", {})
+    effects = [
+        AppliedEffect("linear_acceleration.z", creep, np.array([0.5, 0.25, -0.125])),
+        AppliedEffect("linear_acceleration.x", gradient, np.full(gradient.count, 2.0)),
+    ]
+    cal = tmp_path / "effects.json"
+    write_calibration(make_calibration(effects=effects), cal)
+    assert run("inspect", cal, "--json", tmp_path / "i.json") == 0
+    shown = capsys.readouterr().out
+    assert "linear_acceleration.z: stress relaxation" in shown
+    assert "time_constant 900 s, spread 3); gains 0.5, 0.25, -0.125 m/s^2/°C" in shown
+    assert json.loads((tmp_path / "i.json").read_text())["effects"][0]["gains"] == [0.5, 0.25, -0.125]
+    for command, more in (("evaluate", []), ("compensate", ["-o", tmp_path / "out"])):
+        refusal = refused(capsys, command, bag, "--calibration", cal, *more)
+        assert "no sample on /accel/temperature_2, which the effect thermal_gradient" in refusal
+        assert "--remap /accel/temperature_2:=" in refusal
+    assert not (tmp_path / "out").exists()
 
 
 def test_mistakes_are_one_line_with_exit_code_two(tmp_path, bag, calibration_file, capsys):

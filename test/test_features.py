@@ -17,11 +17,13 @@ LEAD = 30.0
 
 
 def join(parts):
-    return Features(*(np.concatenate([getattr(p, name) for p in parts]) for name in ("values", "age", "since_start")))
+    return Features(
+        *(np.concatenate([getattr(p, name) for p in parts]) for name in ("values", "age", "since_power_on"))
+    )
 
 
 def bits(features):
-    return features.values.tobytes() + features.age.tobytes() + features.since_start.tobytes()
+    return features.values.tobytes() + features.age.tobytes() + features.since_power_on.tobytes()
 
 
 @st.composite
@@ -29,7 +31,9 @@ def two_topics(draw):
     """Thermistor with repeated, late, missing and broken samples; acceleration stamps that begin before it."""
     random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     thermistors, accelerations = draw(st.integers(1, 700)), draw(st.integers(1, 60))
-    gaps = random.choice([-0.3, 0.0, 0.1, 0.5, 1.0, 15.0], thermistors, p=[0.03, 0.03, 0.44, 0.3, 0.19, 0.01])
+    gaps = random.choice(
+        [-0.3, 0.0, 0.1, 0.5, 1.0, 15.0, 90.0], thermistors, p=[0.03, 0.03, 0.43, 0.3, 0.19, 0.01, 0.01]
+    )
     celsius = 20.0 + np.cumsum(0.05 * random.standard_normal(thermistors))
     celsius[random.random(thermistors) < 0.02] = random.choice([np.nan, 1e6])
     stamps = make_stamps(np.cumsum(gaps))
@@ -46,6 +50,16 @@ def two_topics(draw):
     return random, settings, stamps, celsius, at
 
 
+def power_ons(stamps, celsius):
+    """Return the rows of the first sample and of those after more than a minute of silence."""
+    rows, last = [], None
+    for row in np.flatnonzero(np.isfinite(celsius) & (celsius < 100.0)).tolist():
+        if last is None or stamps[row] > last + 60 * NANOSECONDS:
+            rows.append(row)
+        last = stamps[row] if last is None else max(last, stamps[row])
+    return rows
+
+
 @pytest.mark.parametrize("live", [False, True])
 @given(topics=two_topics())
 def test_any_causal_interleaving_equals_the_batch_bit_for_bit(live, topics):
@@ -54,11 +68,11 @@ def test_any_causal_interleaving_equals_the_batch_bit_for_bit(live, topics):
     batch.extend(stamps, celsius)
     stream = TemperatureTrack(NOISE, keep=settings.history + LEAD if live else None)
     given_so_far, parts = 0, []
-    start = int(np.argmax(np.isfinite(celsius) & (celsius < 100.0)))
+    starts = power_ons(stamps, celsius)
     latency = to_nanoseconds(settings.latency)
     for stamp in at:
         usable = stamps <= stamp - latency
-        usable[start] = stamps[start] <= stamp  # the first one counts from its own stamp on
+        usable[starts] = stamps[starts] <= stamp  # the first one after a power-on counts from its own stamp on
         needed = np.flatnonzero(usable).max(initial=-1) + 1
         allowed = np.flatnonzero(stamps <= stamp + to_nanoseconds(LEAD)).max(initial=-1) + 1
         until = max(given_so_far, needed, int(random.integers(0, allowed + 1)))
@@ -120,12 +134,12 @@ def test_no_features_before_the_first_sample_and_known_ages_after_it():
     nothing = read_features(track, settings, at)
     assert np.isnan(nothing.values).all()
     assert (nothing.age == np.inf).all()
-    assert (nothing.since_start == -np.inf).all()
+    assert (nothing.since_power_on == -np.inf).all()
     track.extend([EPOCH, EPOCH + NANOSECONDS], [20.0, 21.0])
     features = read_features(track, settings, at)
     np.testing.assert_array_equal(np.isnan(features.values).all(axis=1), [True, True, False, False])
     np.testing.assert_array_equal(features.age, [np.inf, np.inf, 0.0, 1.0])
-    np.testing.assert_array_equal(features.since_start, [-np.inf, -np.inf, 0.0, 2.0])
+    np.testing.assert_array_equal(features.since_power_on, [-np.inf, -np.inf, 0.0, 2.0])
     assert features.values[2].tolist() == [20.0, 0.0, 0.0]
 
 
@@ -134,3 +148,43 @@ def test_delay_longer_than_the_history_assumes_equilibrium_before_it():
     track = ramp(0.05, 20.0)
     temperature, _, product = read_features(track, settings, make_stamps(np.array([19.0]))).values[0]
     assert product == temperature * (temperature - track.first_temperature)
+
+
+def gapped(random, gap=200.0):
+    """Return a track of two noisy ramps with a gap between them, one of the second alone, and where that begins."""
+    first, second = np.cumsum(random.uniform(0.1, 0.9, 300)), np.cumsum(random.uniform(0.1, 0.9, 300))
+    second += first[-1] + gap - second[0]
+    celsius = np.concatenate([20.0 + 0.1 * first, 55.0 - 0.02 * second]) + 0.01 * random.standard_normal(600)
+    whole, alone = TemperatureTrack(NOISE), TemperatureTrack(NOISE)
+    whole.extend(make_stamps(np.concatenate([first, second])), celsius)
+    alone.extend(make_stamps(second), celsius[300:])
+    return whole, alone, float(second[0])
+
+
+@pytest.mark.parametrize("product", list(Product))
+@given(seed=st.integers(0, 2**32 - 1), latency=st.floats(0.0, 2.0), delay=st.floats(0.1, 300.0))
+def test_after_a_power_on_features_are_those_of_a_recording_that_starts_there(product, seed, latency, delay):
+    random = np.random.default_rng(seed)
+    whole, alone, start = gapped(random)
+    settings = FeatureSettings(NOISE, product, delay=delay, latency=latency)
+    at = make_stamps(start + np.concatenate([[0.0], np.sort(random.uniform(0.0, 200.0, 60))]))
+    assert bits(read_features(whole, settings, at)) == bits(read_features(alone, settings, at))
+
+
+def test_at_a_power_on_the_temperature_is_taken_to_have_been_steady():
+    whole, _, start = gapped(np.random.default_rng(5))
+    features = read_features(whole, FeatureSettings(NOISE, latency=1.0), make_stamps(np.array([start, start + 30.0])))
+    assert features.values[0, 1:].tolist() == [0.0, 0.0]
+    assert features.since_power_on == pytest.approx([0.0, 30.0])
+    temperature, _, product = features.values[1]
+    at_power_on = features.values[0, 0]
+    assert product == pytest.approx(temperature * (temperature - at_power_on), rel=1e-12)
+
+
+def test_during_a_gap_the_temperature_before_it_is_held_and_grows_old():
+    whole, _, start = gapped(np.random.default_rng(5))
+    settings = FeatureSettings(NOISE, prediction_horizon=10.0)
+    held = read_features(whole, settings, make_stamps(start - np.array([150.0, 60.0, 1e-6])))
+    np.testing.assert_array_equal(held.values[:, 0], held.values[0, 0])
+    assert (held.age > 49.0).all()
+    assert (held.since_power_on > 100.0).all()

@@ -1,9 +1,15 @@
 import numpy as np
-from builders import make_calibration, make_recording
+import pytest
+from builders import LINEAR, make_calibration, make_recording
+from effect_calibrations import OFFERED, applied, with_all_inputs
 
+from hgma_compensation.effects.applied import AppliedEffect
+from hgma_compensation.effects.effect import Need
+from hgma_compensation.effects.registry import make
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.pipeline.live import LiveCompensation, single_sample
-from hgma_compensation.pipeline.reasons import REMEDIES, Note, Skip
+from hgma_compensation.pipeline.live import SLOW_INPUTS, LiveCompensation, single_sample
+from hgma_compensation.pipeline.reasons import REMEDIES, Note, Skip, sample_name
+from hgma_compensation.pipeline.remembered import REMEMBERED, Remembered
 from hgma_compensation.recording.compensated_bag import compensate_recording
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.temperature.track import Sample
@@ -85,8 +91,11 @@ def test_bad_thermistor_samples_are_counted_by_name():
 
 
 def test_every_reason_tells_the_operator_what_to_do():
-    reasons = [*Skip, *Note, *(sample for sample in Sample if sample is not Sample.USED)]
-    assert {reason.value for reason in reasons} == set(REMEDIES)
+    bad = [sample for sample in Sample if sample is not Sample.USED]
+    names = {reason.value for reason in (*Skip, *Note)}
+    names |= {sample_name(need, sample) for need in SLOW_INPUTS for sample in bad}
+    assert names - {"supply_voltage_implausible"} == set(REMEDIES)
+    assert not any("{" in remedy for remedy in REMEDIES.values())
 
 
 def test_reset_keeps_calibration_and_counts():
@@ -100,3 +109,114 @@ def test_reset_keeps_calibration_and_counts():
     assert live.calibration is calibration
     assert live.received == live.compensated == 11
     assert result.compensated.status.tolist() == [3]
+
+
+def needy_calibration(*names):
+    effects = {effect.name: effect for effect in OFFERED[LINEAR[2]]}
+    random = np.random.default_rng(3)
+    return make_calibration(channels=LINEAR[2:], effects=[applied(LINEAR[2], effects[name], random) for name in names])
+
+
+def feed_all(live, recording):
+    for add, series in (
+        (live.add_temperature, recording.temperature),
+        (live.add_temperature_2, recording.temperature_2),
+        (live.add_supply_voltage, recording.supply_voltage),
+    ):
+        for stamp, value in zip(series.stamps.tolist(), series.values.tolist(), strict=True):
+            add(stamp, value)
+
+
+def test_a_calibration_swapped_in_knows_every_input_from_before():
+    recording, live = with_all_inputs(), LiveCompensation()
+    live.install(make_calibration())
+    feed_all(live, recording)
+    live.compensate(recording.stamps[:300], recording.values[:300])
+    second = needy_calibration("thermal_gradient", "supply_voltage", "thermal_lag", "warm_up")
+    live.install(second)
+    result = live.compensate(recording.stamps[300:], recording.values[300:])
+    expected = compensate_recording(recording, second).values[300:]
+    np.testing.assert_array_equal(result.compensated.values, expected)
+    assert not live.missing_inputs
+
+
+def test_a_calibration_swapped_in_after_hours_has_the_memory_of_one_that_was_there():
+    effects = [
+        AppliedEffect(LINEAR[2], make("warm_up", {"time_constant": 900.0, "spread": 1.0}), np.array([2.0])),
+        AppliedEffect(LINEAR[2], make("stress_relaxation", {"time_constant": 5000.0, "spread": 1.0}), np.ones(1)),
+    ]
+    calibration = make_calibration(channels=LINEAR[2:], effects=effects)
+    there, later = LiveCompensation(), LiveCompensation()
+    there.install(calibration)
+    later.install(make_calibration(channels=LINEAR[2:]))
+    seconds = np.concatenate([np.arange(0, 4000), np.arange(5000, 5000 + 2 * REMEMBERED)])
+    for second in seconds.tolist():
+        for live in (there, later):
+            live.add_temperature(second * NANOSECONDS, 25.0 + 20.0 * np.sin(second / 2000.0))
+    later.install(calibration)
+    sample = single_sample((5000 + 2 * REMEMBERED) * NANOSECONDS, np.zeros(6))
+    one, other = (live.compensate(*sample).compensated.drift[0, 0] for live in (there, later))
+    assert other == pytest.approx(one, abs=0.05)
+    later.install(make_calibration(channels=LINEAR[2:]))
+    plain = later.compensate(*sample).compensated.drift[0, 0]
+    assert abs(plain - one) > 1.0
+
+
+def test_what_is_remembered_is_recent_or_thinned_and_bounded():
+    remembered = Remembered()
+    for second in range(0, 40 * REMEMBERED):
+        remembered.add(second * NANOSECONDS, float(second))
+    stamps = np.array([stamp for stamp, _ in remembered])
+    steps = np.diff(stamps) // NANOSECONDS
+    assert len(stamps) <= 2 * REMEMBERED
+    assert steps[-REMEMBERED + 1 :].tolist() == [1] * (REMEMBERED - 1)
+    assert set(steps[: -REMEMBERED - 1]) == {30}
+    assert remembered.power_on == 0
+    begin = 41 * REMEMBERED
+    for second in range(begin, begin + 40 * REMEMBERED):
+        remembered.add(second * NANOSECONDS, float(second))
+    assert remembered.power_on in (0, begin * NANOSECONDS)
+    assert (next(iter(remembered))[0] >= begin * NANOSECONDS) == (remembered.power_on > 0)
+    remembered.clear()
+    assert list(remembered) == []
+    assert remembered.power_on is None
+
+
+def test_inputs_that_effects_need_and_that_never_came_are_counted_with_each_sample():
+    recording, live = with_all_inputs(), LiveCompensation()
+    live.install(needy_calibration("thermal_gradient", "supply_voltage"))
+    feed_temperature(live)
+    live.compensate(recording.stamps[:7], recording.values[:7])
+    live.add_temperature_2(int(recording.stamps[7]), 20.0)
+    live.compensate(recording.stamps[7:10], recording.values[7:10])
+    assert live.counts == {Note.TEMPERATURE_2_MISSING.value: 7, Note.SUPPLY_VOLTAGE_MISSING.value: 10}
+    assert live.missing_inputs == (Need.SUPPLY_VOLTAGE,)
+    live.reset()
+    assert live.missing_inputs == (Need.TEMPERATURE_2, Need.SUPPLY_VOLTAGE)
+
+
+def test_bad_samples_of_the_other_inputs_are_counted_by_name_where_they_matter():
+    live = LiveCompensation()
+    live.install(make_calibration())
+    live.add_temperature_2(10, np.nan)
+    assert not live.counts
+    live.install(needy_calibration("thermal_gradient", "supply_voltage"))
+    live.counts.clear()
+    for stamp, value in ((20, 25.0), (20, 25.0), (19, 25.0), (21, np.nan), (22, 1e6)):
+        live.add_temperature_2(stamp, value)
+        live.add_supply_voltage(stamp, value)
+    live.compensate(*single_sample(2 * NANOSECONDS, np.zeros(6)))
+    live.add_supply_voltage(NANOSECONDS, 5.0)
+    names = {"stamp_repeated", "out_of_order", "not_finite"}
+    expected = {f"{need}_{name}": 1 for need in ("temperature_2", "supply_voltage") for name in names}
+    assert live.counts == {**expected, "temperature_2_implausible": 1, Note.SUPPLY_VOLTAGE_LATE.value: 1}
+    assert set(live.counts) <= set(REMEDIES)
+
+
+def test_a_channel_that_an_effect_reads_must_be_finite():
+    live = LiveCompensation()
+    effect = AppliedEffect(LINEAR[2], make("cross_axis", {"source": LINEAR[0]}), np.ones(1))
+    live.install(make_calibration(channels=LINEAR[2:], effects=[effect]))
+    assert live.compensate(*single_sample(0, [np.nan, 0.0, 0.0, 0.0, 0.0, 0.0])) is None
+    assert live.compensate(*single_sample(1, [0.0, np.nan, 0.0, 0.0, 0.0, 0.0])) is not None
+    assert live.counts == {Skip.NOT_FINITE.value: 1}

@@ -105,6 +105,16 @@ def test_status_settles_then_is_ok_then_stale(calibration):
     assert names == ["MISSING", "SETTLING", "OK", "OK", "STALE"]
 
 
+def test_status_settles_again_after_every_power_on(calibration):
+    pipeline = Pipeline(calibration)
+    for second in (*range(31), *range(100, 131)):
+        pipeline.add_temperature(second * NANOSECONDS, 25.0)
+    seconds = np.array([30, 70, 99, 100, 119, 121])
+    result = pipeline.compensate(seconds * NANOSECONDS, np.zeros((6, 3)))
+    names = [TemperatureStatus(code).name for code in result.status]
+    assert names == ["OK", "STALE", "STALE", "SETTLING", "SETTLING", "OK"]
+
+
 def test_outside_the_calibrated_range_the_drift_is_that_of_its_edge(calibration):
     pipeline = Pipeline(calibration)
     for second in range(60):

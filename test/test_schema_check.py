@@ -2,6 +2,7 @@ import ast
 import copy
 import re
 
+import numpy as np
 import pytest
 from builders import LINEAR, make_calibration
 from hypothesis import given, settings
@@ -9,6 +10,8 @@ from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
 from hgma_compensation.calibration.encoding import encode
+from hgma_compensation.effects.applied import AppliedEffect
+from hgma_compensation.effects.registry import make
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.schema_check import check, load_schema
@@ -16,9 +19,9 @@ from hgma_compensation.schema_check import check, load_schema
 SCHEMA = load_schema("hgma_compensation.calibration", "calibration.schema.json")
 VALIDATOR = Draft202012Validator(SCHEMA)
 MESSAGE = re.compile(
-    r"(?P<path>the document|[a-z_]+(?:\.[a-z_]+|\[\d+\])*) (?:lacks the field '(?P<missing>\w+)'.*"
-    r"|has the unknown field (?P<unknown>.+)|has \d+ (?:elements|characters), must have .+|is .+, must (?:be|match) .+"
-    r"|must be an object)"
+    r"(?P<path>the document|[a-z_]+(?:\.[a-z_][a-z0-9_]*|\[\d+\])*) (?:lacks the field '(?P<missing>\w+)'.*"
+    r"|has the unknown field (?P<unknown>.+)|has \d+ (?:elements|characters|fields), must have .+"
+    r"|is .+, must (?:be|match) .+|must be an object)"
 )
 
 
@@ -26,9 +29,14 @@ def document_of(calibration):
     return {**encode(calibration), "calibration_id": calibration.calibration_id}
 
 
+EFFECTS = [
+    AppliedEffect(LINEAR[2], make("stress_relaxation", {"time_constant": 900.0, "spread": 3.0}), np.ones(3)),
+    AppliedEffect(LINEAR[2], make("cross_axis", {"source": LINEAR[0]}), np.ones(1)),
+]
 DOCUMENTS = [
     document_of(make_calibration(channels=LINEAR[:2])),
     document_of(make_calibration(method="polynomial", channels=LINEAR[2:], mode=FilterMode.SMOOTH)),
+    document_of(make_calibration(method="polynomial", channels=LINEAR[2:], effects=EFFECTS)),
 ]
 ID = "sha256-" + "0" * 16
 SCALARS = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text()
@@ -64,7 +72,7 @@ def mutated(draw):
         elif change == "delete" and path:
             del at(document, path[:-1])[path[-1]]
         elif isinstance(value, dict):
-            value[draw(st.text() | st.sampled_from(["note", "method", "mode"]))] = draw(values)
+            value[draw(st.text() | st.sampled_from(["note", "method", "mode", "delay_2"]))] = draw(values)
         elif isinstance(value, list):
             value[:] = (value * 600)[: draw(st.sampled_from([0, 1, 2, 4, 7, 101, 501]))] or [draw(values)]
     return document
@@ -87,7 +95,7 @@ def verdicts(document):
 def path_of(text):
     if text == "the document":
         return ()
-    return tuple(int(index) if index else name for name, index in re.findall(r"([a-z_]+)|\[(\d+)\]", text))
+    return tuple(int(index) if index else name for name, index in re.findall(r"([a-z_][a-z0-9_]*)|\[(\d+)\]", text))
 
 
 @settings(max_examples=400)
@@ -126,12 +134,20 @@ def test_verdict_is_that_of_jsonschema_and_names_one_of_its_paths(document):
             ("channels", 0, "drift", "method"),
             ("channels", 0, "drift", "exponents", 0, 0),
             ("channels", 0, "filter", "white_noise"),
+            ("effects", 0, "effect"),
+            ("effects", 0, "channel"),
+            ("effects", 0, "gains"),
+            ("effects", 0, "gains", 0),
+            ("effects", 0, "parameters"),
+            ("effects", 0, "parameters", "time_constant"),
+            ("effects", 0, "parameters", "time_constant\n"),
+            ("effects", 0, "parameters", "Upper"),
         ]
         for value in [*NEAR, 9, 9.0, 10, 86400, 86400.5, 10**400, -(10**400), ID, ID + "\n", "s" * 200, "é" * 200]
     ],
 )
 def test_verdict_on_corners_is_that_of_jsonschema(path, value):
-    document = copy.deepcopy(DOCUMENTS[1])
+    document = copy.deepcopy(DOCUMENTS[2 if path[0] == "effects" else 1])
     at(document, path[:-1])[path[-1]] = value
     refusal, paths = verdicts(document)
     assert (refusal is None) == (not paths)

@@ -5,7 +5,8 @@ import sys
 
 import numpy as np
 import pytest
-from builders import make_calibration, make_recording
+from builders import LINEAR, make_calibration, make_recording
+from effect_calibrations import OFFERED, applied, with_all_inputs
 from robot import Robot, imu, stamped, thermistor
 
 from hgma_compensation.calibration.document import write_calibration
@@ -13,7 +14,7 @@ from hgma_compensation.demo.processes import private_ros_environment, running
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.messages import stamp_of
 from hgma_compensation.recording.compensated_bag import compensate_recording
-from hgma_msgs.msg import AccelBlock
+from hgma_msgs.msg import AccelBlock, SupplyVoltage
 
 pytestmark = pytest.mark.ros
 NODE = [sys.executable, "-m", "hgma_compensation.node.main"]
@@ -91,6 +92,35 @@ def test_every_sample_comes_back_compensated_with_the_rest_untouched(environment
     for before, after in zip(sent, robot.compensated, strict=True):
         after.linear_acceleration.z = before.linear_acceleration.z
         assert after == before
+
+
+def test_effects_give_what_offline_compensation_gives_and_a_missing_input_is_named(environment, robot, tmp_path):
+    random = np.random.default_rng(11)
+    wanted = ("thermal_gradient", "supply_voltage", "thermal_lag", "vibration_rectification")
+    effects = {effect.name: effect for effect in OFFERED[LINEAR[2]]}
+    calibration = make_calibration(effects=[applied(LINEAR[2], effects[name], random) for name in wanted])
+    write_calibration(calibration, tmp_path / "effects.json")
+    recording = with_all_inputs()
+    with node(environment, f"calibration_file:={tmp_path / 'effects.json'}"):
+        robot.connect()
+        for stamp, celsius in zip(recording.temperature.stamps, recording.temperature.values, strict=True):
+            robot.temperature.publish(thermistor(stamp, celsius))
+        robot.raw.publish(imu(recording.stamps[0], recording.values[0]))
+        robot.wait(lambda: "second thermometer" in robot.diagnosis()[1], "a diagnosis that names what is missing")
+        values = robot.diagnosis()[2]
+        assert values["missing_inputs"] == "temperature_2, supply_voltage"
+        assert values["supply_voltage_missing"] == values["temperature_2_missing"] == "1"
+        for stamp, celsius in zip(recording.temperature_2.stamps, recording.temperature_2.values, strict=True):
+            robot.temperature_2.publish(thermistor(stamp, celsius))
+        for stamp, volts in zip(recording.supply_voltage.stamps, recording.supply_voltage.values, strict=True):
+            robot.supply_voltage.publish(stamped(SupplyVoltage(voltage=volts), stamp))
+        robot.spin(0.5)
+        for stamp, values in zip(recording.stamps[1:], recording.values[1:], strict=True):
+            robot.raw.publish(imu(stamp, values))
+        robot.wait(lambda: len(robot.states) == len(robot.compensated) == len(recording.stamps), "all samples")
+    expected = compensate_recording(recording, calibration)
+    np.testing.assert_array_equal(accelerations(robot.compensated), expected.values)
+    assert [list(state.drift) for state in robot.states] == expected.drift.tolist()
 
 
 def test_a_wrong_calibration_is_refused_with_its_reason_and_the_stream_goes_on(

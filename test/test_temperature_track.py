@@ -93,6 +93,17 @@ def test_prediction_up_to_the_horizon_then_hold():
     np.testing.assert_array_equal(temperature, settled + slope * np.array([1.0, 5.0, 10.0, 10.0, 10.0]))
 
 
+def test_at_a_power_on_the_filter_starts_anew_and_after_a_shorter_silence_it_goes_on():
+    stamps, values = samples(60)
+    for gap, anew in ((60 * SECOND, False), (60 * SECOND + 1, True)):
+        later = stamps - stamps[0] + stamps[-1] + gap
+        track, fresh = filled(stamps, values), filled(later, values)
+        track.extend(later, values)
+        grid = np.arange(later[0], later[-1], SECOND // 3)
+        assert (bits(track, grid) == bits(fresh, grid)) is anew
+        assert bool(track.read(later[:1], LATENCY, HORIZON)[1][0] == 0.0) is anew
+
+
 def test_before_the_first_sample():
     at = np.array([EPOCH - 3600 * SECOND, EPOCH - 1])
     temperature, rate, age = TemperatureTrack(NOISE).read(at, LATENCY, HORIZON)
@@ -128,11 +139,13 @@ def test_trimmed_track_reads_alike_inside_its_window_and_stays_small(keep):
     window = to_nanoseconds(keep)
     inside = np.arange(len(stamps)) - np.searchsorted(stamps, stamps - window) + 1
     # Doubled only while half of the room is in use, never below the 256 it starts with.
-    most = max(256, 4 * (int(inside.max()) + 1)) * (8 + 16)
+    most = max(256, 4 * (int(inside.max()) + 1)) * (8 + 8 + 16)
     for number, (stamp, value) in enumerate(zip(stamps.tolist(), values.tolist(), strict=True)):
         whole.add(stamp, value)
         trimmed.add(stamp, value)
         grid = np.linspace(stamp - window, stamp, 5).astype(np.int64) + LATENCY
         if number:
             assert bits(trimmed, np.maximum(grid, stamps[0])) == bits(whole, np.maximum(grid, stamps[0]))
-        assert sum(part.nbytes for part in vars(trimmed).values() if isinstance(part, np.ndarray)) <= most
+        assert (
+            sum(part.nbytes for part in vars(trimmed.updates._table).values() if isinstance(part, np.ndarray)) <= most
+        )

@@ -70,6 +70,14 @@ def test_long_recording_is_judged_on_runs_spread_over_it(monkeypatch):
     assert found == pytest.approx(25.0 * 690 / 1400, rel=4.0 * np.sqrt(2.0 / 690))
 
 
+def test_what_a_power_off_does_to_the_temperature_does_not_enter_the_noise():
+    (stamps, values), (_, others) = simulate(2000, 1.0), simulate(2000, 1.0, seed=SEED + 1)
+    stamps = np.concatenate([stamps, stamps + stamps[-1] - stamps[0] + 61_000_000_000])
+    alone = noise.log_likelihood((stamps[:2000], values), TRUE) + noise.log_likelihood((stamps[2000:], others), TRUE)
+    together = noise.log_likelihood((stamps, np.concatenate([values, others + 40.0])), TRUE)
+    assert together == pytest.approx(alone, rel=1e-9)
+
+
 @pytest.mark.parametrize("count", [3, 10, 25])
 @pytest.mark.parametrize("values", [lambda n: np.full(n, 20.0), lambda n: 20.0 + 0.1 * (np.arange(n) % 3)])
 def test_short_and_constant_series_give_noise_within_the_bounds(count, values):

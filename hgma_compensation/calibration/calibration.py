@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hgma_compensation.drift.model import CalibratedRange, DriftModel
+from hgma_compensation.effects.applied import AppliedEffect
+from hgma_compensation.effects.stage import EffectStage
 from hgma_compensation.kalman.settings import FilterSettings
 from hgma_compensation.temperature.features import FeatureSettings
 
@@ -42,7 +44,8 @@ class Calibration:
     """All that the pipeline needs, and where it came from.
 
     training: how and on what it was trained, as it stands in the file. calibration_id: derived from
-    the content; two files with the same id compensate alike.
+    the content; two files with the same id compensate alike. effects: what the drift models cannot carry, on
+    calibrated channels.
     """
 
     sensor_id: str
@@ -51,8 +54,18 @@ class Calibration:
     channels: tuple[ChannelCalibration, ...]
     training: dict[str, Any] = field(hash=False)
     calibration_id: str = ""
+    effects: tuple[AppliedEffect, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the channels, in the order of every array that the pipeline returns."""
         return tuple(channel.name for channel in self.channels)
+
+    @property
+    def channels_read(self) -> tuple[str, ...]:
+        """Names of all channels that compensation reads: the calibrated ones, then others that effects answer to."""
+        return self.names + self.stage().other_channels
+
+    def stage(self) -> EffectStage:
+        """Return the effects together, without a past."""
+        return EffectStage(self.effects, self.names, [channel.reference for channel in self.channels])

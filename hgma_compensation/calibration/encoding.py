@@ -5,6 +5,7 @@ from typing import Any, cast
 import numpy as np
 
 from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration, ChannelError
+from hgma_compensation.calibration.effect_encoding import check_effects, decode_effect, encode_effect
 from hgma_compensation.channels import unit_of
 from hgma_compensation.drift.inputs import Array, InputScaling
 from hgma_compensation.drift.model import CalibratedRange, DriftModel
@@ -34,7 +35,7 @@ def encode(calibration: Calibration) -> Document:
             )
         },
         "channels": [_encode_channel(channel) for channel in calibration.channels],
-        "effects": [],
+        "effects": [encode_effect(applied) for applied in calibration.effects],
         "training": calibration.training,
     }
 
@@ -43,7 +44,7 @@ def decode(document: Document) -> Calibration:
     """Return the calibration of a document that follows the schema.
 
     Raises RefusedError for what a schema cannot express: shapes that do not fit each other, a channel
-    given twice, a range that is empty, an overflow when the model is evaluated.
+    given twice, a range that is empty, an effect that is none, an overflow when the model is evaluated.
     """
     calibration = Calibration(
         sensor_id=document["sensor_id"],
@@ -52,10 +53,12 @@ def decode(document: Document) -> Calibration:
         channels=tuple(_decode_channel(c, f"channels[{i}]") for i, c in enumerate(document["channels"])),
         training=document["training"],
         calibration_id=document["calibration_id"],
+        effects=tuple(decode_effect(e, f"effects[{i}]") for i, e in enumerate(document["effects"])),
     )
     if len(set(calibration.names)) < len(calibration.names):
         raise RefusedError("channels names the same channel twice: keep one of them")
     _check_corners(calibration)
+    check_effects(calibration)
     return calibration
 
 
@@ -199,7 +202,7 @@ def _array(numbers: list[Any]) -> Array:
 def _check_corners(calibration: Calibration) -> None:
     """Evaluate every drift at the corners and the middle of the range: finite there, or refused."""
     box = calibration.calibrated_range
-    corners = np.stack(np.meshgrid(*zip(box.lower, box.middle, box.upper, strict=True)), axis=-1).reshape(-1, 3)
+    corners = box.corners()
     for index, channel in enumerate(calibration.channels):
         with np.errstate(all="ignore"):
             drift = channel.drift.evaluate(corners)

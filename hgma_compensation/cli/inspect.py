@@ -12,6 +12,7 @@ from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
 from hgma_compensation.cli.terminal import console, write_json
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
+from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.kalman.design import settled_filter
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.temperature.features import NAMES, UNITS, Product
@@ -41,7 +42,25 @@ def command(calibration: Path, json_path: Path | None) -> None:
         click.echo(f"Inputs T, Ṫ and T·ΔT with ΔT to {features.reference_temperature:g} °C")
     console.print(_range(model))
     console.print(_channels(model))
+    for applied in model.effects:
+        click.echo(_in_words(applied))
     write_json(json_path, {"calibration_id": model.calibration_id, **encode(model)})
+
+
+def _in_words(applied: AppliedEffect) -> str:
+    """Return an effect with its parameters and gains, in one line."""
+    effect = applied.effect
+    units = {name: span.unit for name, span in effect.spans.items()}
+    parameters = [f"{name} {_quantity(value, units.get(name, ''))}" for name, value in effect.parameters().items()]
+    gains = ", ".join(f"{gain:.4g}" for gain in applied.gains.tolist())
+    return (
+        f"{applied.channel}: {effect.title} ({', '.join([effect.name, *parameters])}); "
+        f"gains {gains} {unit_of(applied.channel)}{effect.gain_unit}"
+    )
+
+
+def _quantity(value: float | str, unit: str) -> str:
+    return value if isinstance(value, str) else f"{value:.6g} {unit}".rstrip()
 
 
 def _range(model: Calibration) -> Table:

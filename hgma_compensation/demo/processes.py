@@ -1,7 +1,6 @@
 """Starts the project's own commands as a user's shell would."""
 
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -10,16 +9,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from hgma_compensation.demo.ros_domain import take_domain
+
 HGMA = (sys.executable, "-m", "hgma_compensation.cli.main")
 STOP_TIMEOUT = 20.0
 
 
 def private_ros_environment() -> dict[str, str]:
-    """Return an environment in which ROS talks on this machine only, in a domain of its own.
+    """Return an environment in which ROS talks on this machine only, in a domain that is this process's own.
 
-    A domain that ROS_DOMAIN_ID names is kept.
+    A domain that ROS_DOMAIN_ID names is kept. Raises RuntimeError where all others are taken.
     """
-    domain = os.environ.get("ROS_DOMAIN_ID") or str(random.SystemRandom().randint(1, 100))
+    domain = os.environ.get("ROS_DOMAIN_ID") or str(take_domain())
     return {**os.environ, "ROS_DOMAIN_ID": domain, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
 

@@ -42,6 +42,11 @@ class CalibratedRange:
         """Centre of the box, shape (3,)."""
         return 0.5 * (self.lower + self.upper)
 
+    def corners(self) -> Array:
+        """Return corners, and middles of edges, faces and the box: (27, 3)."""
+        points = np.meshgrid(*zip(self.lower, self.middle, self.upper, strict=True))
+        return np.stack(points, axis=-1).reshape(-1, 3)
+
     def clamp(self, features: Array) -> Array:
         """Return features (n, 3) moved to the nearest point of the box."""
         return np.clip(features, self.lower, self.upper)

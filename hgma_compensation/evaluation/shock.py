@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.channels import CHANNELS
+from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.recording.csv_table import STANDARD_GRAVITY
 from hgma_compensation.stamps import NANOSECONDS, Stamps
@@ -112,11 +114,24 @@ def width_at_half_height(pulse: Array) -> float | None:
 
 def _output(calibration: Calibration, stamps: Stamps, sensor: StillSensor, acceleration: Array) -> Array:
     """Return the first channel's output (n,) for an acceleration (n,) about the still value, drift added."""
-    count = len(calibration.channels)
-    drift = _warm(calibration, sensor, int(stamps[-1])).compensate(stamps, np.zeros((len(stamps), count))).drift
-    values = drift + np.array([channel.reference for channel in calibration.channels])
+    values = _still(calibration, stamps, sensor)
     values[:, 0] += acceleration
-    return _warm(calibration, sensor, int(stamps[-1])).compensate(stamps, values).values[:, 0]
+    return _run(calibration, stamps, sensor, values).values[:, 0]
+
+
+def _still(calibration: Calibration, stamps: Stamps, sensor: StillSensor) -> Array:
+    """Return what the sensor shows at rest, (n, c)."""
+    references = np.array([channel.reference for channel in calibration.channels])
+    values = np.zeros((len(stamps), len(references)))
+    # Effects that answer to the acceleration vanish at rest, which is found once the rest of the drift is known.
+    for _ in range(3 if any(applied.effect.per_sample for applied in calibration.effects) else 1):
+        values = _run(calibration, stamps, sensor, values).drift + references
+    return values
+
+
+def _run(calibration: Calibration, stamps: Stamps, sensor: StillSensor, values: Array) -> Compensated:
+    imu = np.zeros((len(stamps), len(CHANNELS)))
+    return _warm(calibration, sensor, int(stamps[-1])).compensate(stamps, values, imu)
 
 
 def _warm(calibration: Calibration, sensor: StillSensor, until: int) -> Pipeline:

@@ -1,5 +1,6 @@
 """The managed node ``compensation_node``."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -27,7 +28,7 @@ from hgma_compensation.node.interfaces import INPUT_QOS, OUTPUT_QOS, drain, over
 from hgma_compensation.pipeline.live import LiveCompensation, LiveResult, single_sample
 from hgma_compensation.pipeline.reasons import Skip
 from hgma_compensation.pipeline.state_fields import state_fields
-from hgma_msgs.msg import AccelBlock, CompensationState
+from hgma_msgs.msg import AccelBlock, CompensationState, SupplyVoltage
 from hgma_msgs.srv import LoadCalibration
 
 DIAGNOSTIC_PERIOD = 1.0
@@ -36,8 +37,8 @@ DIAGNOSTIC_PERIOD = 1.0
 class CompensationNode(LifecycleNode):
     """Raw acceleration and thermistor in, compensated acceleration and state out.
 
-    Inactive means no output; the thermistor is followed from the configured state on, so that its
-    history is there when the node becomes active.
+    Inactive means no output; thermometers and supply voltage are followed from the configured state on, so that
+    their history is there when the node becomes active.
     """
 
     def __init__(self) -> None:
@@ -47,7 +48,7 @@ class CompensationNode(LifecycleNode):
         self._autostart = bool(self.declare_parameter("autostart", True, autostart).value)
         self._live = LiveCompensation()
         self._state = "unconfigured"
-        self._temperature: Any = None
+        self._slow: list[tuple[Any, Callable[[Any], None]]] = []
         self._entities: list[Any] = []
         self._calibration = CalibrationParameter(self, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
@@ -115,8 +116,15 @@ class CompensationNode(LifecycleNode):
     def _open_topics(self) -> None:
         subscribe = partial(self.create_subscription, qos_profile=INPUT_QOS, qos_overriding_options=overridable())
         publish = partial(self.create_lifecycle_publisher, qos_profile=OUTPUT_QOS, qos_overriding_options=overridable())
-        # The thermistor first: where both wait, the executor then serves it before the accelerometer.
-        self._temperature = subscribe(Temperature, topics.TEMPERATURE, self._take_temperature)
+        # The slow inputs first: where both wait, the executor then serves them before the accelerometer.
+        self._slow = [
+            (subscribe(message_type, topic, take), take)
+            for message_type, topic, take in (
+                (Temperature, topics.TEMPERATURE, self._take_temperature),
+                (Temperature, topics.TEMPERATURE_2, self._take_temperature_2),
+                (SupplyVoltage, topics.SUPPLY_VOLTAGE, self._take_supply_voltage),
+            )
+        ]
         self._raw = subscribe(Imu, topics.RAW, self._on_raw)
         self._raw_block = subscribe(AccelBlock, topics.RAW_BLOCK, self._on_raw_block)
         self._compensated = publish(Imu, topics.COMPENSATED)
@@ -124,31 +132,38 @@ class CompensationNode(LifecycleNode):
         self._states = publish(CompensationState, topics.STATE)
 
     def _close_topics(self) -> None:
-        if self._temperature is None:
+        if not self._slow:
             return
-        for subscription in (self._temperature, self._raw, self._raw_block):
+        for subscription in (*(slow for slow, _ in self._slow), self._raw, self._raw_block):
             self.destroy_subscription(subscription)
         for publisher in (self._compensated, self._compensated_block, self._states):
             self.destroy_lifecycle_publisher(publisher)
-        self._temperature = None
+        self._slow = []
 
     # Samples ----------------------------------------------------------------------------------------
 
     def _take_temperature(self, message: Temperature) -> None:
         self._live.add_temperature(stamp_of(message), message.temperature)
 
-    def _drain_temperature(self) -> None:
-        """Take every waiting thermistor sample.
+    def _take_temperature_2(self, message: Temperature) -> None:
+        self._live.add_temperature_2(stamp_of(message), message.temperature)
 
-        Called after accelerations were taken and before they are compensated: a thermistor sample that
-        was sent before one of them is then among those taken here.
+    def _take_supply_voltage(self, message: SupplyVoltage) -> None:
+        self._live.add_supply_voltage(stamp_of(message), message.voltage)
+
+    def _drain_slow(self) -> None:
+        """Take every waiting sample of thermometers and supply voltage.
+
+        Called after accelerations were taken and before they are compensated: a slow sample that was sent before one
+        of them is then among those taken here.
         """
-        for message in drain(self._temperature):
-            self._take_temperature(message)
+        for subscription, take in self._slow:
+            for message in drain(subscription):
+                take(message)
 
     def _on_raw(self, message: Imu) -> None:
         waiting = [message, *drain(self._raw)]
-        self._drain_temperature()
+        self._drain_slow()
         for taken in waiting:
             self._compensate(taken)
 
@@ -162,7 +177,7 @@ class CompensationNode(LifecycleNode):
             self._publish_state(message.header, result)
 
     def _on_raw_block(self, message: AccelBlock) -> None:
-        self._drain_temperature()
+        self._drain_slow()
         if self._state != "active":
             return self._live.skip_unseen(Skip.NOT_ACTIVE, len(message.x))
         try:
@@ -207,7 +222,7 @@ class CompensationNode(LifecycleNode):
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._live.reset()
-        response.success, response.message = True, "filter and temperature history cleared, calibration kept"
+        response.success, response.message = True, "filter, memories and history cleared, calibration kept"
         return response
 
     def _on_diagnostics(self) -> None:

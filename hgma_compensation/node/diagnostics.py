@@ -76,4 +76,5 @@ class DiagnosticReport:
             values.append(("temperature_status", TemperatureStatus(int(result.status[-1])).name))
             values.append(("temperature_celsius", f"{result.features[-1, 0]:.3f}"))
             values.append(("inside_calibrated_range", str(bool(result.inside_range[-1]))))
+        values.append(("missing_inputs", ", ".join(need.value for need in live.missing_inputs)))
         return values + [(name, str(count)) for name, count in sorted(live.counts.items())]

@@ -1,6 +1,6 @@
-"""A pipeline that lives in a node: swaps calibrations, remembers the thermistor, counts what it skips."""
+"""A pipeline that lives in a node: swaps calibrations, remembers the slow inputs, counts what it skips."""
 
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,13 +9,16 @@ from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import columns_of
-from hgma_compensation.pipeline.pipeline import Compensated, Pipeline
-from hgma_compensation.pipeline.reasons import Note, Skip
+from hgma_compensation.effects.effect import Need
+from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.pipeline import Pipeline
+from hgma_compensation.pipeline.reasons import LATE, MISSING, Note, Skip, sample_name
+from hgma_compensation.pipeline.remembered import Remembered
 from hgma_compensation.stamps import Stamps, to_nanoseconds
 from hgma_compensation.temperature.track import Sample
 
-REMEMBERED = 4096
-"""Thermistor samples kept to warm up the features of a calibration that is swapped in: an hour at 1 Hz."""
+SLOW_INPUTS = (None, Need.TEMPERATURE_2, Need.SUPPLY_VOLTAGE)
+"""None is the thermistor."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,7 @@ class LiveCompensation:
         self.received = self.compensated = 0
         self.last_result: LiveResult | None = None
         self._pipeline: Pipeline | None = None
-        self._recent: deque[tuple[int, float]] = deque(maxlen=REMEMBERED)
+        self._remembered: dict[Need | None, Remembered] = {need: Remembered() for need in SLOW_INPUTS}
         self._last_acceleration: int | None = None
 
     @property
@@ -48,11 +51,19 @@ class LiveCompensation:
         """Gate openings of the Kalman stage under the calibration in use."""
         return self._pipeline.gate_openings if self._pipeline else 0
 
+    @property
+    def missing_inputs(self) -> tuple[Need, ...]:
+        """Inputs that an effect of the calibration in use needs, and that have never come."""
+        return self._pipeline.inputs.missing if self._pipeline else ()
+
     def install(self, calibration: Calibration) -> None:
-        """Use a calibration from the next sample on; its features start from the remembered thermistor."""
+        """Use a calibration from the next sample on; it starts from what is remembered of the slow inputs."""
         pipeline = Pipeline(calibration, live=True)
-        for stamp, celsius in self._recent:
-            pipeline.add_temperature(stamp, celsius)
+        if (power_on := self._remembered[None].power_on) is not None:
+            pipeline.track.updates.assume_power_on(power_on)
+        for need in pipeline.inputs.wanted:
+            for stamp, value in self._remembered[need]:
+                pipeline.inputs.add(need, stamp, value)
         self._pipeline = pipeline
 
     def remove_calibration(self) -> None:
@@ -61,25 +72,38 @@ class LiveCompensation:
         self.last_result = None
 
     def reset(self) -> None:
-        """Forget thermistor history and filter states; calibration and counts stay."""
-        self._recent.clear()
+        """Forget the history of all inputs, memories and filter states; calibration and counts stay."""
+        for samples in self._remembered.values():
+            samples.clear()
         self._last_acceleration = None
         if self._pipeline is not None:
             self._pipeline.reset()
 
     def add_temperature(self, stamp: int, celsius: float) -> None:
         """Take a thermistor sample (ns, °C)."""
-        self._recent.append((stamp, celsius))
-        if self._pipeline is None:
+        self._add(None, stamp, celsius)
+
+    def add_temperature_2(self, stamp: int, celsius: float) -> None:
+        """Take a sample of the second thermometer (ns, °C)."""
+        self._add(Need.TEMPERATURE_2, stamp, celsius)
+
+    def add_supply_voltage(self, stamp: int, volts: float) -> None:
+        """Take a sample of the supply voltage (ns, V)."""
+        self._add(Need.SUPPLY_VOLTAGE, stamp, volts)
+
+    def _add(self, need: Need | None, stamp: int, value: float) -> None:
+        remembered = self._remembered[need]
+        remembered.add(stamp, value)
+        if self._pipeline is None or need not in self._pipeline.inputs.wanted:
             return
-        sample = self._pipeline.add_temperature(stamp, celsius)
+        sample = self._pipeline.inputs.add(need, stamp, value)
         if sample is Sample.RESTARTED:
-            self._recent.clear()
-            self._recent.append((stamp, celsius))
+            remembered.clear()
+            remembered.add(stamp, value)
         if sample is not Sample.USED:
-            self.counts[sample.value] += 1
+            self.counts[sample_name(need, sample)] += 1
         elif self._is_late(stamp):
-            self.counts[Note.TEMPERATURE_LATE.value] += 1
+            self.counts[LATE[need].value] += 1
 
     def _is_late(self, stamp: int) -> bool:
         """Return whether an acceleration was compensated before that should have used this sample."""
@@ -90,8 +114,8 @@ class LiveCompensation:
     def compensate(self, stamps: Stamps, values: NDArray[np.float64]) -> LiveResult | None:
         """Return the compensated samples, or None and a counted reason.
 
-        stamps: (n,) ns. values: (n, 6), columns CHANNELS. A block with a number that is not finite in a
-        calibrated channel is skipped whole, so that none enters a filter.
+        stamps: (n,) ns. values: (n, 6), columns CHANNELS. A block with a number that is not finite in a channel that
+        is calibrated, or that an effect reads, is skipped whole, so that none enters a filter.
         """
         self.received += len(stamps)
         if self._pipeline is None:
@@ -99,13 +123,15 @@ class LiveCompensation:
             return None
         calibration = self._pipeline.calibration
         wanted = values[:, columns_of(calibration.names)]
-        if not np.isfinite(wanted).all():
+        if not np.isfinite(values[:, self._pipeline.columns_read]).all():
             self._skip(Skip.NOT_FINITE, len(stamps))
             return None
         jumps = self._pipeline.jumps_back
-        self.last_result = LiveResult(calibration, self._pipeline.compensate(stamps, wanted))
+        self.last_result = LiveResult(calibration, self._pipeline.compensate(stamps, wanted, values))
         if self._pipeline.jumps_back > jumps:
             self.counts[Note.TIME_JUMPED_BACK.value] += self._pipeline.jumps_back - jumps
+        for need in self.missing_inputs:
+            self.counts[MISSING[need].value] += len(stamps)
         self._last_acceleration = int(stamps[-1])
         self.compensated += len(stamps)
         return self.last_result

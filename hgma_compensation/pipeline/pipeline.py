@@ -1,60 +1,55 @@
-"""Raw acceleration and thermistor in, compensated acceleration out: sample by sample or in bulk."""
+"""Raw acceleration and slow inputs in, compensated acceleration out: sample by sample or in bulk."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.channels import CHANNELS, columns_of
+from hgma_compensation.effects.effect import Need
+from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.stage import KalmanStage
+from hgma_compensation.pipeline.compensated import Compensated, joined
+from hgma_compensation.pipeline.inputs import Inputs
 from hgma_compensation.pipeline.status import TemperatureStatus, temperature_status
+from hgma_compensation.pipeline.stretches import Stretches
 from hgma_compensation.stamps import Stamps
 from hgma_compensation.temperature.features import read_features
-from hgma_compensation.temperature.track import TIME_JUMP, Sample, TemperatureTrack
+from hgma_compensation.temperature.track import Sample, TemperatureTrack
 
 CHUNK = 65536
 """Samples evaluated at once: bounds the memory of the hidden layer."""
-
-ACCELERATION_LAG = 60.0
-"""Seconds by which a live accelerometer may lag its thermistor before history is dropped."""
-
-
-@dataclass(frozen=True)
-class Compensated:
-    """Result for n samples and c channels, in the order of the calibration.
-
-    values: compensated, (n, c). drift: what was subtracted, (n, c). innovation: of the Kalman stage,
-    (n, c), 0 where it is off. features: (n, 3) before clamping; the middle of the calibrated range where
-    the temperature is missing. inside_range: (n,). status: (n,) TemperatureStatus.
-    """
-
-    values: NDArray[np.float64]
-    drift: NDArray[np.float64]
-    innovation: NDArray[np.float64]
-    features: NDArray[np.float64]
-    inside_range: NDArray[np.bool_]
-    status: NDArray[np.uint8]
 
 
 class Pipeline:
     """State of one sensor's compensation under one calibration.
 
-    Thermistor and accelerometer samples may be given in any interleaving; results are decided by
-    stamps. jumps_back counts the times at which the accelerometer's stamps began anew. Not thread-safe.
+    Samples of accelerometer, thermometers and supply voltage may be given in any interleaving; results are decided by
+    stamps. columns_read: of CHANNELS, those that must be finite. Not thread-safe.
     """
 
     def __init__(self, calibration: Calibration, *, live: bool = False) -> None:
         """Start without history; live: drop history that no sample can reach any more."""
         self.calibration = calibration
-        keep = calibration.features.history + ACCELERATION_LAG if live else None
-        self.track = TemperatureTrack(calibration.features.noise, keep=keep)
+        self._effects = calibration.stage()
+        self.inputs = Inputs(calibration.features, calibration.calibrated_range, self._effects, live=live)
         self._filters = [
             None if channel.filter.noise is None else KalmanStage(channel.filter, channel.reference)
             for channel in calibration.channels
         ]
-        self._newest: int | None = None
-        self.jumps_back = 0
+        self._stretches = Stretches()
+        self._columns, self.columns_read = columns_of(calibration.names), columns_of(calibration.channels_read)
+
+    @property
+    def track(self) -> TemperatureTrack:
+        """The thermistor's history."""
+        return self.inputs.temperature
+
+    @property
+    def jumps_back(self) -> int:
+        """How often the accelerometer's stamps began anew."""
+        return self._stretches.jumps_back
 
     @property
     def gate_openings(self) -> int:
@@ -62,75 +57,118 @@ class Pipeline:
         return sum(stage.openings for stage in self._filters if stage is not None)
 
     def reset(self) -> None:
-        """Forget thermistor history and filter states; the calibration stays."""
-        self.track.reset()
-        self._reset_filters()
+        """Forget all inputs, memories and filter states; the calibration stays."""
+        self.inputs.reset()
+        self._stretches.newest = None
+        self._begin_anew()
 
-    def _reset_filters(self) -> None:
-        self._newest = None
+    def _begin_anew(self) -> None:
+        """Forget the acceleration."""
+        self._effects.reset()
         for stage in self._filters:
             if stage is not None:
                 stage.reset()
 
     def add_temperature(self, stamp: int, celsius: float) -> Sample:
         """Take a thermistor sample (ns, °C) and say what became of it."""
-        return self.track.add(stamp, celsius)
+        return self.inputs.add(None, stamp, celsius)
 
-    def compensate(self, stamps: Stamps, values: NDArray[np.float64]) -> Compensated:
+    def add_temperature_2(self, stamp: int, celsius: float) -> Sample:
+        """Take a sample of the second thermometer (ns, °C) and say what became of it."""
+        return self.inputs.add(Need.TEMPERATURE_2, stamp, celsius)
+
+    def add_supply_voltage(self, stamp: int, volts: float) -> Sample:
+        """Take a sample of the supply voltage (ns, V) and say what became of it."""
+        return self.inputs.add(Need.SUPPLY_VOLTAGE, stamp, volts)
+
+    def compensate(
+        self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None = None
+    ) -> Compensated:
         """Compensate finite samples, values (n, c) at stamps (n,) in ns.
 
-        Splitting the samples over several calls changes no bit of the result. A step back in time by
-        more than TIME_JUMP begins the filters anew.
+        imu: (n, 6), columns CHANNELS, needed where an effect reads a channel that is not calibrated. Splitting the
+        samples over several calls changes no bit of the result. A step back in time by more than TIME_JUMP begins
+        filters and memories of the acceleration anew.
         """
-        if len(stamps) <= CHUNK:
-            return self._compensate_chunk(stamps, values)
-        parts = [
-            self._compensate_chunk(stamps[start : start + CHUNK], values[start : start + CHUNK])
-            for start in range(0, len(stamps), CHUNK)
-        ]
-        return Compensated(
-            *(np.concatenate([getattr(part, name) for part in parts]) for name in Compensated.__dataclass_fields__)
-        )
+        imu = self._widened(values) if imu is None else imu
+        if not len(stamps):
+            return self._compensate(stamps, values, imu)
+        parts = []
+        for rows, anew in self._stretches.split(stamps, CHUNK):
+            if anew:
+                self._begin_anew()
+            parts.append(self._compensate(stamps[rows], values[rows], imu[rows]))
+        return parts[0] if len(parts) == 1 else joined(parts)
 
-    def _compensate_chunk(self, stamps: Stamps, values: NDArray[np.float64]) -> Compensated:
+    def _widened(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return values (n, c) as columns of CHANNELS (n, 6), the others 0."""
+        if missing := self._effects.other_channels:
+            raise ValueError(f"effects of the calibration need imu: they read {', '.join(missing)}")
+        wide = np.zeros((len(values), len(CHANNELS)))
+        wide[:, self._columns] = values
+        return wide
+
+    def _compensate(self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64]) -> Compensated:
+        """Compensate one stretch without a jump back in time."""
         calibration = self.calibration
         features = read_features(self.track, calibration.features, stamps)
         inside = calibration.calibrated_range.contains(features.values)
         status = temperature_status(features, calibration.features, inside)
         # Without any temperature the drift at the middle of the range is the best guess there is; the
         # status says that it is one.
-        missing = (status == TemperatureStatus.MISSING)[:, None]
-        known = np.where(missing, calibration.calibrated_range.middle, features.values)
-        drift = self._drift(known)
+        missing = status == TemperatureStatus.MISSING
+        known = np.where(missing[:, None], calibration.calibrated_range.middle, features.values)
+        drift = self._drift(stamps, values, imu, known, missing)
         corrected = values - drift
         innovation = np.zeros_like(corrected)
-        for stretch in self._stretches(stamps):
-            self._filter(stamps[stretch], corrected[stretch], innovation[stretch])
+        self._filter(stamps, corrected, innovation)
         return Compensated(corrected, drift, innovation, known, inside, status)
 
-    def _drift(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the drift, shape (n, c), at features clamped to the calibrated range."""
+    def _drift(
+        self,
+        stamps: Stamps,
+        values: NDArray[np.float64],
+        imu: NDArray[np.float64],
+        features: NDArray[np.float64],
+        unknown: NDArray[np.bool_],
+    ) -> NDArray[np.float64]:
+        """Return the drift (n, c) of model and effects, at features (n, 3) clamped to the calibrated range."""
         clamped = self.calibration.calibrated_range.clamp(features)
-        return np.stack([channel.drift.evaluate(clamped) for channel in self.calibration.channels], axis=1)
-
-    def _stretches(self, stamps: Stamps) -> Iterator[slice]:
-        """Yield the stretches between jumps back in time; at each jump the filters begin anew."""
-        start = 0
-        while start < len(stamps):
-            before = stamps[start] if self._newest is None else self._newest
-            newest = np.maximum.accumulate(np.concatenate([[before], stamps[start:]]))
-            jumps = np.flatnonzero(stamps[start:] < newest[:-1] - TIME_JUMP)
-            stop = start + int(jumps[0]) if len(jumps) else len(stamps)
-            self._newest = int(newest[stop - start])
-            if stop > start:
-                yield slice(start, stop)
-            if stop < len(stamps):
-                self.jumps_back += 1
-                self._reset_filters()
-            start = stop
+        drift = np.stack([channel.drift.evaluate(clamped) for channel in self.calibration.channels], axis=1)
+        if not self._effects.effects:
+            return drift
+        acceleration = imu.copy()
+        acceleration[:, self._columns] = values - drift
+        at = self.inputs.conditions(stamps, clamped, unknown, acceleration)
+        return drift + self._effects.drift(at, self.inputs.memory(stamps, unknown))
 
     def _filter(self, stamps: Stamps, corrected: NDArray[np.float64], innovation: NDArray[np.float64]) -> None:
         """Run the Kalman stage in place over one stretch (m, c)."""
         for column, stage in enumerate(self._filters):
             if stage is not None:
                 corrected[:, column], innovation[:, column] = stage.run(stamps, corrected[:, column])
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return, as plain JSON, all that later drift depends on; the Kalman stages begin anew after it."""
+        return {
+            "calibration_id": self.calibration.calibration_id,
+            "inputs": self.inputs.snapshot(),
+            "newest": self._stretches.newest,
+            "effects": self._effects.snapshot(),
+        }
+
+    def restore(self, snapshot: dict[str, Any]) -> None:
+        """Go on from a snapshot; raises RefusedError, beginning without history, where it does not fit."""
+        self.reset()
+        if snapshot.get("calibration_id") != self.calibration.calibration_id:
+            raise RefusedError(
+                f"the snapshot belongs to calibration {str(snapshot.get('calibration_id'))[:40]}, "
+                f"not to {self.calibration.calibration_id}: start without it"
+            )
+        try:
+            self.inputs.restore(snapshot["inputs"])
+            self._effects.restore(snapshot["effects"])
+            self._stretches.newest = None if snapshot["newest"] is None else int(snapshot["newest"])
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            self.reset()
+            raise RefusedError(f"the snapshot is damaged ({error}): start without it") from None

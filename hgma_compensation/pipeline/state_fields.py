@@ -6,7 +6,7 @@ import numpy as np
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.pipeline.pipeline import Compensated
+from hgma_compensation.pipeline.compensated import Compensated
 
 FILTER_CODES = {FilterMode.OFF: 0, FilterMode.SMOOTH: 1, FilterMode.BIAS: 2}
 

@@ -25,10 +25,11 @@ def temperature_status(
     """Return the status of each sample, shape (n,); inside_range: (n,) whether its features lie in the box.
 
     MISSING before the first thermistor sample; STALE when the newest is older than the prediction
-    horizon; SETTLING until the history covers the delay of ΔT; OUT_OF_RANGE outside the calibrated box.
+    horizon; SETTLING until the history since the power-on covers the delay of ΔT; OUT_OF_RANGE outside the calibrated
+    box.
     """
     status = np.full(len(features.age), TemperatureStatus.OK, dtype=np.uint8)
-    status[features.since_start < settings.delay] = TemperatureStatus.SETTLING
+    status[features.since_power_on < settings.delay] = TemperatureStatus.SETTLING
     status[~inside_range] = TemperatureStatus.OUT_OF_RANGE
     status[features.age > settings.prediction_horizon] = TemperatureStatus.STALE
     status[np.isinf(features.age)] = TemperatureStatus.MISSING

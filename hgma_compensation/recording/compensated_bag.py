@@ -11,9 +11,12 @@ from rosbags.interfaces import Connection
 from hgma_compensation import topics
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import columns_of
+from hgma_compensation.effects.effect import Effect, Need
+from hgma_compensation.effects.stage import channels_read
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.messages import patch_block, patch_imu
-from hgma_compensation.pipeline.pipeline import Compensated, Pipeline
+from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.state_fields import state_fields
 from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording import typestore as types
@@ -23,24 +26,55 @@ from hgma_compensation.recording.recording import Recording
 
 
 def usable_rows(recording: Recording, calibration: Calibration) -> NDArray[np.bool_]:
-    """Return for each sample whether all calibrated channels are finite; the node skips the others too."""
-    return np.asarray(np.isfinite(recording.values[:, columns_of(calibration.names)]).all(axis=1))
+    """Return for each sample whether all channels that are read are finite; the node skips the others too."""
+    return np.asarray(np.isfinite(recording.values[:, columns_of(calibration.channels_read)]).all(axis=1))
 
 
 def check_covered(recording: Recording, calibration: Calibration) -> None:
-    """Raise RefusedError where the recording lacks a thermistor or a channel of the calibration."""
+    """Raise RefusedError where the recording lacks an input or a channel that the calibration needs."""
     recording.require_temperature()
     missing = [name for name in calibration.names if name not in recording.present]
     if missing:
         raise RefusedError(f"{recording.name} has no channel {', '.join(missing)}, which the calibration covers")
+    for applied in calibration.effects:
+        _check_effect(recording, applied.effect)
+
+
+def _check_effect(recording: Recording, effect: Effect) -> None:
+    wanted = f"which the effect {effect.name} of the calibration needs"
+    for need, topic in ((Need.TEMPERATURE_2, topics.TEMPERATURE_2), (Need.SUPPLY_VOLTAGE, topics.SUPPLY_VOLTAGE)):
+        if need in effect.needs and not np.isfinite(getattr(recording, need.value).values).any():
+            name = topics.in_bag(topic)
+            raise RefusedError(
+                f"{recording.name} has no sample on {name}, {wanted}: record that topic, "
+                f"name it with --remap {name}:=/your/topic, or use a calibration without the effect"
+            )
+    for channel in channels_read(effect):
+        if channel not in recording.present:
+            raise RefusedError(
+                f"{recording.name} has no channel {channel}, {wanted}: use a calibration without the effect"
+            )
 
 
 def compensate_recording(recording: Recording, calibration: Calibration) -> Compensated:
     """Return the pipeline's result for the usable rows of a recording."""
     rows = usable_rows(recording, calibration)
+    values = recording.values[rows]
     pipeline = Pipeline(calibration)
-    pipeline.track.extend(recording.temperature.stamps, recording.temperature.values)
-    return pipeline.compensate(recording.stamps[rows], recording.values[rows][:, columns_of(calibration.names)])
+    feed(pipeline, recording)
+    return pipeline.compensate(recording.stamps[rows], values[:, columns_of(calibration.names)], values)
+
+
+def feed(pipeline: Pipeline, recording: Recording) -> None:
+    """Give a pipeline the thermometers and the supply voltage of a recording."""
+    inputs = (
+        (pipeline.add_temperature, recording.temperature),
+        (pipeline.add_temperature_2, recording.temperature_2),
+        (pipeline.add_supply_voltage, recording.supply_voltage),
+    )
+    for add, series in inputs:
+        for stamp, value in zip(series.stamps.tolist(), series.values.tolist(), strict=True):
+            add(stamp, value)
 
 
 def write_compensated(

@@ -6,9 +6,10 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from hgma_compensation.stamps import Stamps, seconds_between, to_nanoseconds
+from hgma_compensation.stamps import Stamps, to_nanoseconds
 from hgma_compensation.temperature.track import TemperatureTrack
 from hgma_compensation.temperature.trend_filter import TrendNoise
+from hgma_compensation.temperature.updates import Updates
 
 NAMES = ("temperature", "temperature_rate", "temperature_product")
 UNITS = ("°C", "°C/s", "°C^2")
@@ -48,7 +49,11 @@ class FeatureSettings:
     @property
     def history(self) -> float:
         """Seconds of thermistor history that a reading can reach back to."""
-        return self.delay + self.latency + self.prediction_horizon
+        return self.reach(self.delay)
+
+    def reach(self, delay: float) -> float:
+        """Return the seconds of history that a reading of the temperature ``delay`` s ago can reach back to."""
+        return delay + self.latency + self.prediction_horizon
 
 
 @dataclass(frozen=True)
@@ -57,21 +62,20 @@ class Features:
 
     values: (n, 3), columns NAMES in UNITS; NaN where no thermistor sample has come yet.
     age: (n,) s since the thermistor sample used, infinite before the first.
-    since_start: (n,) s since the first thermistor sample, -infinity before it.
+    since_power_on: (n,) s since the first thermistor sample after the power-on, -infinity before the very first.
     """
 
     values: NDArray[np.float64]
     age: NDArray[np.float64]
-    since_start: NDArray[np.float64]
+    since_power_on: NDArray[np.float64]
 
 
-def read_features(track: TemperatureTrack, settings: FeatureSettings, stamps: Stamps) -> Features:
+def read_features(track: TemperatureTrack | Updates, settings: FeatureSettings, stamps: Stamps) -> Features:
     """Evaluate the features at stamps (ns, shape (n,)); element by element, so n may be 1 or a day."""
     latency, horizon = to_nanoseconds(settings.latency), settings.prediction_horizon
     temperature, rate, age = track.read(stamps, latency, horizon)
     if settings.product is Product.DELAY:
-        earlier, _, _ = track.read(stamps - to_nanoseconds(settings.delay), latency, horizon)
-        difference = temperature - earlier
+        difference = temperature - track.read_earlier(stamps, to_nanoseconds(settings.delay), latency, horizon)
     else:
         difference = temperature - settings.reference_temperature
     values = np.empty((len(stamps), len(NAMES)))
@@ -79,8 +83,5 @@ def read_features(track: TemperatureTrack, settings: FeatureSettings, stamps: St
     values[:, 1] = rate
     values[:, 2] = temperature * difference
     values[np.isinf(age)] = np.nan
-    if track.first is None:
-        since_start = np.full(len(stamps), -np.inf)
-    else:
-        since_start = np.where(np.isinf(age), -np.inf, seconds_between(stamps, track.first))
-    return Features(values, age, since_start)
+    since_power_on = np.where(np.isinf(age), -np.inf, track.since_power_on(stamps, latency))
+    return Features(values, age, since_power_on)

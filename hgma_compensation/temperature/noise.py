@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from hgma_compensation.stamps import Stamps, seconds_between
+from hgma_compensation.effects.memory import POWER_OFF
+from hgma_compensation.stamps import Stamps, seconds_between, to_nanoseconds
 from hgma_compensation.temperature.trend_filter import TrendFilter, TrendNoise
 
 SETTLING_STEPS = 20
@@ -45,13 +46,18 @@ def fit_trend_noise(recordings: Sequence[Series]) -> TrendNoise:
 
 
 def log_likelihood(series: Series, noise: TrendNoise) -> float:
-    """Return the log-likelihood of one thermistor series, up to a constant."""
+    """Return the log-likelihood of one thermistor series, up to a constant; the filter starts anew at each power-on."""
     stamps, values = series
-    steps = np.r_[0.0, seconds_between(stamps[1:], stamps[:-1])].tolist()
-    trend, total = TrendFilter(noise), 0.0
-    for number, (dt, value) in enumerate(zip(steps, values.tolist(), strict=True)):
+    before = np.concatenate([stamps[:1], stamps[:-1]])
+    steps, off = seconds_between(stamps, before), stamps - before > to_nanoseconds(POWER_OFF)
+    trend, total, number = TrendFilter(noise), 0.0, 0
+    for dt, begins_anew, value in zip(steps.tolist(), off.tolist(), values.tolist(), strict=True):
+        if begins_anew:
+            trend.reset()
+            number = 0
         step = trend.step(dt, value)
-        if number >= SETTLING_STEPS:
+        number += 1
+        if number > SETTLING_STEPS:
             total -= 0.5 * (log(step.innovation_variance) + step.innovation**2 / step.innovation_variance)
     return float(total)
 

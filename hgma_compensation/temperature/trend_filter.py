@@ -6,6 +6,7 @@ Models and the Kalman Filter, ch. 2; Bar-Shalom et al. 2001, section 6.2.2, "con
 acceleration"). Written in scalars because a thermistor sample then costs 1 us instead of 70 us.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 
@@ -48,6 +49,19 @@ class TrendFilter:
         self._started = False
         self._temperature = self._rate = 0.0
         self._p_tt = self._p_tr = self._p_rr = 0.0
+
+    def snapshot(self) -> list[float]:
+        """Return the state as plain JSON, empty before the first sample."""
+        if not self._started:
+            return []
+        return [self._temperature, self._rate, self._p_tt, self._p_tr, self._p_rr]
+
+    def restore(self, snapshot: Sequence[float]) -> None:
+        """Go on from a snapshot; raises ValueError where it is none."""
+        self.reset()
+        if snapshot:
+            self._temperature, self._rate, self._p_tt, self._p_tr, self._p_rr = (float(value) for value in snapshot)
+            self._started = True
 
     def step(self, dt: float, measured: float) -> TrendStep:
         """Predict over dt (s, since the sample before) and correct with a finite sample (°C)."""

@@ -37,9 +37,9 @@ def block_means(
 ) -> Blocks:
     """Return the means of samples over blocks of the given length (s).
 
-    Samples before the trend filter has settled, or without a recent thermistor sample, are left out.
-    Features are those of the node, causal; before the history covers the delay of ΔT they assume, as
-    the node does after power-on, that the temperature was steady before the first sample.
+    Samples before the trend filter has settled after a power-on, or without a recent thermistor sample, are left
+    out. Features are those of the node, causal; before the history since a power-on covers the delay of ΔT they
+    assume, as the node does, that the temperature was steady before.
     Raises RefusedError where too little is left to fit anything.
     """
     parts = [_of_recording(r, number, channels, settings, seconds) for number, r in enumerate(recordings)]
@@ -65,7 +65,7 @@ def _of_recording(
     features = read_features(track, settings, recording.stamps)
     values = recording.values[:, columns_of(channels)]
     usable = (
-        (features.since_start >= settings.prediction_horizon)
+        (features.since_power_on >= settings.prediction_horizon)
         & (features.age <= settings.prediction_horizon)
         & np.isfinite(values).all(axis=1)
     )

@@ -1,0 +1,1 @@
+"""Physical effects that a map of the present temperature cannot carry: one file for each of them."""

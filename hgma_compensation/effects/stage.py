@@ -1,0 +1,146 @@
+"""All effects of a calibration together: their memories, their order, the drift that they make."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from hgma_compensation.channels import CHANNELS, columns_of
+from hgma_compensation.effects.applied import AppliedEffect
+from hgma_compensation.effects.conditions import Conditions
+from hgma_compensation.effects.effect import Array, Effect, Need, column_of, no_memory
+from hgma_compensation.effects.memory import AccelerationMemory, Bank, TemperatureMemory
+
+
+def channels_read(effect: Effect) -> tuple[str, ...]:
+    """Return the channels that an effect names in its parameters: other axes whose acceleration it answers to."""
+    return tuple(value for value in effect.parameters().values() if value in CHANNELS)
+
+
+class EffectStage:
+    """Streaming sum of effects; a batch runs through the same steps.
+
+    On each channel the effects that do not bend with the acceleration are added up first, all of them seeing the
+    acceleration less the drift model; then come those that do, in the order of the list, each seeing the acceleration
+    less all before it. Other channels are seen less their drift model only, so that the order of channels is nothing.
+    An acceleration is taken from the channel's reference, its value at rest.
+    """
+
+    def __init__(self, effects: Sequence[AppliedEffect], channels: Sequence[str], references: Sequence[float]) -> None:
+        """Take effects on calibrated channels, and the references (c,) of these."""
+        self.effects, self._columns = tuple(effects), columns_of(channels)
+        self._references = np.array(references, dtype=np.float64)
+        self.needs: frozenset[Need] = frozenset(need for applied in effects for need in applied.effect.needs)
+        self.history = max((applied.effect.history for applied in effects), default=0.0)
+        parts = self._parts = [_Part(applied) for applied in effects]
+        with_memory = [(part, part.memory) for part in parts if part.memory is not None]
+        bank = Bank([memory for _, memory in with_memory])
+        for number, (part, _) in enumerate(with_memory):
+            part.places = bank.columns[number]
+        self.memory: TemperatureMemory | None = bank if bank.size else None
+        self._driven = [part for part in parts if part.acceleration_memory is not None]
+        self._additive, self._bent = (
+            [[part for part in parts if part.on == (name, bends)] for name in channels] for bends in (False, True)
+        )
+        self.reset()
+
+    @property
+    def other_channels(self) -> tuple[str, ...]:
+        """The channels that the effects read beside the calibrated ones."""
+        named = {channel for applied in self.effects for channel in channels_read(applied.effect)}
+        calibrated = {CHANNELS[column] for column in self._columns}
+        return tuple(channel for channel in CHANNELS if channel in named - calibrated)
+
+    def reset(self) -> None:
+        """Let the memories of the acceleration begin anew."""
+        for part in self._driven:
+            part.reset()
+
+    def drift(self, at: Conditions, states: Array) -> Array:
+        """Return the drift (n, c) that the effects make; moves the memories of the acceleration on by n samples.
+
+        at.acceleration: (n, 6), less the drift model in calibrated channels. states: (n, m) of ``memory``.
+        """
+        acceleration = at.acceleration.copy()
+        acceleration[:, self._columns] -= self._references
+        at = replace(at, acceleration=acceleration)
+        drift = np.zeros((len(at), len(self._columns)))
+        for number, column in enumerate(self._columns):
+            for part in self._additive[number]:
+                drift[:, number] += part.drift(at, states)
+            seen = _less(at, column, drift[:, number]) if self._bent[number] else at
+            for part in self._bent[number]:
+                bent = part.drift(seen, states)
+                drift[:, number] += bent
+                seen = _less(seen, column, bent)
+        return drift
+
+    def columns(self, at: Conditions, states: Array) -> list[Array]:
+        """Return the columns (n, k) of each effect, in the order of the list: what gains are fitted to.
+
+        Arguments as for ``drift``; the memories of the acceleration move on as there.
+        """
+        acceleration = at.acceleration.copy()
+        acceleration[:, self._columns] -= self._references
+        at = replace(at, acceleration=acceleration)
+        return [part.columns(at, states) for part in self._parts]
+
+    def snapshot(self) -> list[Any]:
+        """Return the states of the memories of the acceleration as plain JSON."""
+        return [_plain(part.state) for part in self._driven]
+
+    def restore(self, snapshot: Sequence[Any]) -> None:
+        """Go on from a snapshot of a stage with the same effects; raises ValueError where it does not fit."""
+        for part, state in zip(self._driven, snapshot, strict=True):
+            part.state = np.array([float(value) for value in state]).reshape(part.state.shape)
+
+
+class _Part:
+    """One effect with its places in the bank, and the state of its memory of the acceleration."""
+
+    def __init__(self, applied: AppliedEffect) -> None:
+        effect = applied.effect
+        self.memory = effect.memory()
+        self.acceleration_memory: AccelerationMemory | None = effect.acceleration_memory()
+        self.places = np.empty(0, dtype=np.int64)
+        self.on = (applied.channel, effect.per_sample)
+        self._applied, self._column = applied, column_of(applied.channel)
+        self.state = np.empty(0)
+
+    def reset(self) -> None:
+        if self.acceleration_memory is not None:
+            self.state = self.acceleration_memory.start()
+
+    def drift(self, at: Conditions, states: Array) -> Array:
+        drift = self._applied.drift(at, self._states(at, states))
+        for need, given in ((Need.TEMPERATURE_2, at.temperature_2), (Need.SUPPLY_VOLTAGE, at.supply_voltage)):
+            if need in self._applied.effect.needs:
+                # Nothing is known of an input that has not come: better no compensation of it than no output.
+                drift = np.where(np.isnan(given), 0.0, drift)
+        return drift
+
+    def columns(self, at: Conditions, states: Array) -> Array:
+        return np.nan_to_num(self._applied.effect.columns(at, self._states(at, states)), nan=0.0)
+
+    def _states(self, at: Conditions, states: Array) -> Array:
+        known = states[:, self.places] if len(self.places) else no_memory(len(at))
+        if self.acceleration_memory is None:
+            return known
+        run = np.empty((0, self.acceleration_memory.size))
+        if len(at):
+            run = self.acceleration_memory.run(self.state, at.stamps, at.acceleration[:, self._column])
+            self.state = run[-1].copy()
+        return run if not len(self.places) else np.concatenate([known, run], axis=1)
+
+
+def _less(at: Conditions, column: int, drift: Array) -> Conditions:
+    """Return the conditions with a drift (n,) taken from the acceleration in a column."""
+    acceleration = at.acceleration.copy()
+    acceleration[:, column] -= drift
+    return replace(at, acceleration=acceleration)
+
+
+def _plain(state: Array) -> list[float | str]:
+    """Return a state (m,) for JSON, which knows no infinity."""
+    return [value if np.isfinite(value) else str(value) for value in state.tolist()]

@@ -1,0 +1,110 @@
+"""What comes beside the acceleration: thermistor, second thermometer, supply voltage; and what effects see of it."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.drift.model import CalibratedRange
+from hgma_compensation.effects.conditions import Conditions
+from hgma_compensation.effects.effect import Need
+from hgma_compensation.effects.stage import EffectStage
+from hgma_compensation.pipeline.held_series import HeldSeries
+from hgma_compensation.stamps import Stamps, to_nanoseconds
+from hgma_compensation.temperature.features import FeatureSettings
+from hgma_compensation.temperature.track import Sample, TemperatureTrack
+
+Array = NDArray[np.float64]
+
+ACCELERATION_LAG = 60.0
+"""Seconds by which a live accelerometer may lag its thermistor before history is dropped."""
+
+
+class Inputs:
+    """The slow inputs of one sensor, in any interleaving; what is read at a stamp is decided by stamps.
+
+    wanted: those that are read, None for the thermistor.
+    """
+
+    def __init__(self, settings: FeatureSettings, box: CalibratedRange, stage: EffectStage, *, live: bool) -> None:
+        """Start without history; live: drop history that no sample can reach any more."""
+        self._settings, self._box, self._stage = settings, box, stage
+        self._latency = to_nanoseconds(settings.latency)
+        needs = (Need.TEMPERATURE_2, Need.SUPPLY_VOLTAGE)
+        self.wanted: tuple[Need | None, ...] = (None, *(need for need in needs if need in stage.needs))
+        self._reach = settings.reach(max(settings.delay, stage.history)) + ACCELERATION_LAG
+        keep = self._reach if live else None
+        self.temperature = TemperatureTrack(
+            settings.noise, memory=stage.memory, limits=(float(box.lower[0]), float(box.upper[0])), keep=keep
+        )
+        self.temperature_2 = TemperatureTrack(settings.noise, keep=keep)
+        self.supply_voltage = HeldSeries(settings.latency, keep=keep)
+
+    def reset(self) -> None:
+        """Forget all samples."""
+        for series in (self.temperature, self.temperature_2, self.supply_voltage):
+            series.reset()
+
+    def add(self, need: Need | None, stamp: int, value: float) -> Sample:
+        """Take a sample of an input, None for the thermistor (ns, °C or V), and say what became of it."""
+        if need is None:
+            return self.temperature.add(stamp, value)
+        return (self.temperature_2 if need is Need.TEMPERATURE_2 else self.supply_voltage).add(stamp, value)
+
+    @property
+    def missing(self) -> tuple[Need, ...]:
+        """The inputs that an effect needs and that have never come."""
+        came = {Need.TEMPERATURE_2: len(self.temperature_2.updates), Need.SUPPLY_VOLTAGE: len(self.supply_voltage)}
+        return tuple(need for need in self.wanted if need is not None and not came[need])
+
+    def conditions(self, stamps: Stamps, clamped: Array, unknown: NDArray[np.bool_], acceleration: Array) -> Conditions:
+        """Return what effects may answer to at n stamps.
+
+        clamped: features (n, 3) inside the calibrated range. unknown: (n,) where the temperature is a guess.
+        acceleration: (n, 6), columns CHANNELS.
+        """
+        nothing = np.full(len(stamps), np.nan)
+        return Conditions(
+            stamps=stamps,
+            since_power_on=self.temperature.since_power_on(stamps, self._latency),
+            temperature=clamped[:, 0],
+            rate=clamped[:, 1],
+            earlier=partial(self._earlier, stamps, clamped[:, 0], unknown),
+            temperature_2=self._read_temperature_2(stamps) if Need.TEMPERATURE_2 in self.wanted else nothing,
+            supply_voltage=self.supply_voltage.read(stamps) if Need.SUPPLY_VOLTAGE in self.wanted else nothing,
+            acceleration=acceleration,
+        )
+
+    def memory(self, stamps: Stamps, unknown: NDArray[np.bool_]) -> Array:
+        """Return the states (n, m) of the stage's memories of the temperature; at rest where it is unknown."""
+        states = self.temperature.updates.read_memory(stamps, self._latency, self._settings.prediction_horizon)
+        if self._stage.memory is None or not unknown.any():
+            return states
+        return np.where(unknown[:, None], self._stage.memory.start(self._box.middle[:1]), states)
+
+    def _earlier(self, stamps: Stamps, now: Array, unknown: NDArray[np.bool_], seconds: float) -> Array:
+        temperature = self.temperature.read_earlier(
+            stamps, to_nanoseconds(seconds), self._latency, self._settings.prediction_horizon
+        )
+        return np.where(unknown, now, np.clip(temperature, self._box.lower[0], self._box.upper[0]))
+
+    def _read_temperature_2(self, stamps: Stamps) -> Array:
+        """Return the second thermometer's trend (n,) in °C, NaN until its first sample is as old as the latency."""
+        temperature, _, _ = self.temperature_2.read(stamps, self._latency, self._settings.prediction_horizon)
+        first = self.temperature_2.first
+        return temperature if first is None else np.where(stamps - self._latency < first, np.nan, temperature)
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return, as plain JSON, all that later readings depend on."""
+        return {
+            "temperature": self.temperature.snapshot(self._reach),
+            "temperature_2": self.temperature_2.snapshot(self._reach),
+            "supply_voltage": self.supply_voltage.snapshot(self._reach),
+        }
+
+    def restore(self, snapshot: dict[str, Any]) -> None:
+        """Go on from a snapshot; raises ValueError where it does not fit."""
+        self.temperature.restore(snapshot["temperature"])
+        self.temperature_2.restore(snapshot["temperature_2"])
+        self.supply_voltage.restore(snapshot["supply_voltage"])
