@@ -1,0 +1,1 @@
+"""From the residual to the effect that a calibration lacks. Offline only."""

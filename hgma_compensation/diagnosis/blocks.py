@@ -1,0 +1,85 @@
+"""Means of a channel over blocks of time, shocks left out of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.channels import CHANNELS
+from hgma_compensation.diagnosis.runs import Run, power_on_before, since_power_on
+from hgma_compensation.stamps import Stamps, seconds_between
+
+Array = NDArray[np.float64]
+
+SETTLING = 10.0
+"""s after a power-on that are not judged: the trend is not known yet."""
+
+OUTLIER = 7.0
+"""Robust deviations from a block's median beyond which a sample (a shock) is left out of its mean."""
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Means over blocks of one channel, n of them, in the order of their runs.
+
+    run: (n,). stamps: (n,) ns, mean of the samples'. values: (n,) means without outliers. white: (n,) variance of
+    such a mean by the noise within it. first, last: (n,) samples of the run's recording, half open.
+    """
+
+    run: NDArray[np.int64]
+    stamps: Stamps
+    values: Array
+    white: Array
+    first: NDArray[np.int64]
+    last: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        """Return n."""
+        return len(self.stamps)
+
+
+def make_blocks(runs: Sequence[Run], channel: str, seconds: float, settling: float = SETTLING) -> Blocks:
+    """Return the means of a channel over blocks of ``seconds`` in all runs.
+
+    After a pause without power ``settling`` s are left out: the sensor may have been switched on in a ramp.
+    """
+    parts = [_blocks_of(run, number, CHANNELS.index(channel), seconds, settling) for number, run in enumerate(runs)]
+    return Blocks(*(np.concatenate([getattr(p, name) for p in parts]) for name in Blocks.__dataclass_fields__))
+
+
+def _blocks_of(run: Run, number: int, column: int, seconds: float, settling: float) -> Blocks:
+    recording = run.recording
+    stamps, values = recording.stamps, recording.values[:, column]
+    index = np.floor(seconds_between(stamps, recording.start) / seconds).astype(np.int64)
+    firsts = np.flatnonzero(np.diff(index, prepend=index[0] - 1))
+    lasts = np.append(firsts[1:], len(index))
+    typical = np.median(lasts - firsts)
+    since_on = since_power_on(run, stamps)
+    rows = [_mean(stamps[a:b], values[a:b]) for a, b in zip(firsts.tolist(), lasts.tolist(), strict=True)]
+    means = np.array(rows).reshape(-1, 3)
+    good = (
+        (lasts - firsts >= 0.5 * typical)
+        & (since_on[firsts] >= np.where(power_on_before(run, stamps[firsts]) > run.power_on[0], settling, SETTLING))
+        & np.isfinite(means).all(axis=1)
+    )
+    middle = stamps[firsts] + means[:, 0].astype(np.int64)
+    return Blocks(
+        np.full(int(good.sum()), number), middle[good], means[good, 1], means[good, 2], firsts[good], lasts[good]
+    )
+
+
+def _mean(stamps: Stamps, values: Array) -> tuple[float, float, float]:
+    """Return mean time from the first stamp (ns), mean and its variance, outliers from the median left out."""
+    time = (stamps - stamps[0]).astype(np.float64)
+    finite = np.isfinite(values)
+    if finite.sum() < 3:
+        return (float(time.mean()), float(values.mean()) if len(values) else np.nan, np.nan)
+    middle = np.median(values[finite])
+    deviation = np.abs(values - middle)
+    spread = 1.4826 * np.median(deviation[finite])
+    good = finite & (deviation <= OUTLIER * spread) if spread > 0.0 else finite
+    kept = values[good]
+    half = np.diff(kept)
+    variance = 0.5 * np.mean(half**2) / len(kept) if len(kept) > 1 else np.nan
+    return float(time[good].mean()), float(kept.mean()), float(variance)

@@ -1,0 +1,84 @@
+"""Error of a calibration on the recording held out: means of 5 s of what the node would publish."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.channels import CHANNELS
+from hgma_compensation.diagnosis.blocks import make_blocks
+from hgma_compensation.diagnosis.inputs import find_inputs
+from hgma_compensation.diagnosis.recordings import Material
+from hgma_compensation.diagnosis.runs import Run
+from hgma_compensation.evaluation.evaluate import MEAN_SECONDS
+from hgma_compensation.recording.compensated_bag import compensate_recording, usable_rows
+from hgma_compensation.training.blocks import noise_of_means
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class HeldOutError:
+    """time: (n,) s from the start of the hold-out. temperature, rate: (n,) °C, °C/s. error: (n,) of means of 5 s.
+
+    compensated: samples (m,), with stamps (m,) ns, for the Allan deviation.
+    """
+
+    time: Array
+    temperature: Array
+    rate: Array
+    error: Array
+    stamps: NDArray[np.int64]
+    compensated: Array
+
+    @property
+    def rms(self) -> float:
+        """RMS of the errors, in the channel's unit."""
+        return float(np.sqrt(np.mean(self.error**2)))
+
+    @property
+    def noise(self) -> float:
+        """White noise of such a mean."""
+        return noise_of_means(self.error)
+
+
+def held_out_error(material: Material, runs: Sequence[Run], calibration: Calibration, channel: str) -> HeldOutError:
+    """Return the errors of a calibration on the hold-out, run through the pipeline from its start, as evaluate does.
+
+    Real acceleration does not count: outliers and motion are left out, and levels that recur are taken at what they
+    are in the recordings that were learned from.
+    """
+    column, number = CHANNELS.index(channel), calibration.names.index(channel)
+    reference = calibration.channels[number].reference
+    results = []
+    for run in runs:
+        rows = usable_rows(run.recording, calibration)
+        result = compensate_recording(run.recording, calibration)
+        values = np.full_like(run.recording.values, np.nan)
+        values[rows, column] = result.values[:, number]
+        results.append((replace(run, recording=replace(run.recording, values=values)), result))
+    blocks = make_blocks([run for run, _ in results], channel, MEAN_SECONDS)
+    deviation = blocks.values - reference
+    inputs = find_inputs(blocks, deviation)
+    held = material.held_rows(blocks)
+    fitted = inputs.usable & ~held
+    if inputs.columns.shape[1] and fitted.any():
+        levels, *_ = np.linalg.lstsq(inputs.columns[fitted], deviation[fitted], rcond=None)
+        deviation = deviation - inputs.columns @ levels
+    rows = held & inputs.usable
+    index = int(blocks.run[rows][0]) if rows.any() else 0
+    run, result = results[index]
+    samples = material.held_out(run.recording.stamps, run.recording)
+    smoothed = run.smoothed
+    at = (blocks.stamps[rows] - smoothed.stamps[0]) * 1e-9
+    grid = (smoothed.stamps - smoothed.stamps[0]) * 1e-9
+    return HeldOutError(
+        time=np.asarray((blocks.stamps[rows] - material.held[0]) * 1e-9, dtype=np.float64),
+        temperature=np.interp(at, grid, smoothed.temperature),
+        rate=np.interp(at, grid, smoothed.rate),
+        error=deviation[rows],
+        stamps=run.recording.stamps[samples],
+        compensated=run.recording.values[samples, column],
+    )
