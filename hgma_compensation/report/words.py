@@ -1,0 +1,135 @@
+"""Numbers, units and effects in words."""
+
+from collections.abc import Sequence
+from datetime import datetime, timezone
+from math import floor, isfinite, log10
+from typing import Any
+
+from hgma_compensation.channels import group_of, unit_of
+from hgma_compensation.effects.effect import Effect
+from hgma_compensation.effects.registry import kinds
+from hgma_compensation.recording.csv_table import STANDARD_GRAVITY
+
+SMALLEST_P = 1e-12
+"""Below it a p-value says more about the noise model than about chance."""
+
+SPACE = "\u00a0"
+"""Between a number and its unit: they stay on one line."""
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return a number with so many digits that count, without an exponent where it can be read without."""
+    if not isfinite(value):
+        return "–"
+    if value == 0.0:
+        return "0"
+    places = digits - 1 - floor(log10(abs(value)))
+    if -3 <= floor(log10(abs(value))) < 7:
+        return f"{round(value, places):.{max(places, 0)}f}".replace("-", "−")
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}".replace("-", "−")
+
+
+def pretty_unit(unit: str) -> str:
+    """Return a unit as it is printed."""
+    return unit.replace("^2", "²").replace("*", "·")
+
+
+def unit(channel: str) -> str:
+    """Return the unit of a channel as it is printed."""
+    return pretty_unit(unit_of(channel))
+
+
+def quantity(value: float, channel: str) -> str:
+    """Return a value of a channel with its unit, and in g beside it where it is an acceleration of 0.1 g or more."""
+    plain = f"{number(value)}{SPACE}{unit(channel)}"
+    if group_of(channel) == "linear_acceleration" and abs(value) >= 0.1 * STANDARD_GRAVITY:
+        return f"{plain} ({number(value / STANDARD_GRAVITY)}{SPACE}g)"
+    return plain
+
+
+def probability(value: float) -> str:
+    """Return a p-value."""
+    if value < SMALLEST_P:
+        return "below 10⁻¹²"
+    return f"{value:.2f}" if value >= 0.01 else number(value, 1)
+
+
+def duration(seconds: float) -> str:
+    """Return a time in the unit that suits it."""
+    if seconds < 120.0:
+        return f"{number(seconds)}{SPACE}s"
+    return f"{number(seconds / 60.0)}{SPACE}min" if seconds < 7200.0 else f"{number(seconds / 3600.0)}{SPACE}h"
+
+
+def instant(nanoseconds: float) -> str:
+    """Return a stamp as a date."""
+    return datetime.fromtimestamp(nanoseconds * 1e-9, timezone.utc).strftime("%Y-%m-%d %H:%M:%S UTC")
+
+
+def listed(items: Sequence[str]) -> str:
+    """Return items as in a sentence: a, b and c."""
+    return " and ".join([", ".join(items[:-1]), items[-1]] if len(items) > 1 else items)
+
+
+def counted(count: int, what: str) -> str:
+    """Return how many of something there are."""
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
+def plain_name(name: str) -> str:
+    """Return the name of a kind without underscores."""
+    return name.replace("_", " ")
+
+
+def title_of(name: str) -> str:
+    """Return the title of a kind, its name where it is not known."""
+    kind = kinds().get(name)
+    return kind.title if kind else plain_name(name)
+
+
+def parameter(effect: Effect, name: str, value: Any) -> str:
+    """Return a parameter with its unit."""
+    span = effect.spans.get(name)
+    label = plain_name(name)
+    if span is None or isinstance(value, str):
+        return f"{label} {value}"
+    if span.unit == "ns":
+        return f"{label} {instant(float(value))}"
+    if span.unit == "s":
+        return f"{label} {duration(float(value))}"
+    if not span.unit:
+        return f"{label} {float(value):g}"
+    return f"{label} {number(float(value))}{SPACE}{pretty_unit(span.unit)}"
+
+
+def found_parameters(effect: Effect) -> list[str]:
+    """Return the parameters that were looked for, and the channel that another one answers to."""
+    several = spectrum_of(effect)
+    if several:
+        return [several]
+    searched = [name for name, span in effect.spans.items() if span.searched]
+    values = effect.parameters()
+    names = [*searched, *(["source"] if "source" in values else [])]
+    return [parameter(effect, name, values[name]) for name in names]
+
+
+def spectrum_of(effect: Effect) -> str:
+    """Return the time constants or thresholds of a memory that has several of them, "" where it has not."""
+    memory = effect.memory()
+    times: tuple[float, ...] = getattr(memory, "time_constants", ())
+    if len(times) == 2:
+        return f"time constants {duration(times[0])} and {duration(times[1])}"
+    if len(times) > 2:
+        return f"{len(times)} time constants from {duration(times[0])} to {duration(times[-1])}"
+    plays: tuple[float, ...] = getattr(memory, "thresholds", ())
+    if len(plays) > 1:
+        return f"{len(plays)} thresholds from {number(plays[0])} to {number(plays[-1])}{SPACE}°C"
+    return ""
+
+
+def all_parameters(effect: Effect) -> list[str]:
+    """Return all parameters."""
+    return [parameter(effect, name, value) for name, value in effect.parameters().items()]
