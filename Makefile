@@ -16,7 +16,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_PREFER_BINARY := 1
 
-.PHONY: setup demo test lint types chamber-table chamber-sensitivity paper-table clean FORCE
+.PHONY: setup demo test lint types chamber-table chamber-sensitivity chamber-diagnosis loop-benchmark paper-table clean FORCE
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.messages
@@ -41,6 +41,14 @@ chamber-table: setup
 # The same for settings of the genetic search beside the defaults.
 chamber-sensitivity: setup
 	$(RUN) -m benchmarks.chamber_table --sensitivity
+
+# The chamber's memories: found in the first cooling and the heating, judged on the last cooling; the README's picture.
+chamber-diagnosis: setup
+	$(RUN) -m benchmarks.chamber_diagnosis --picture docs/images/chamber.png
+
+# Recordings whose effect nobody is told, diagnosed: docs/LOOP.md. Takes hours; LOOP_ARGUMENTS="--count 1" less.
+loop-benchmark: setup
+	$(RUN) -m benchmarks.loop --output docs/LOOP.md $(LOOP_ARGUMENTS)
 
 # Table 3 of Zhu et al. 2019 on a simulated oven test, with the figures that are defined beside it: docs/PAPER.md.
 paper-table: setup

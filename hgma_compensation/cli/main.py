@@ -14,6 +14,7 @@ COMMANDS = {
     "import-csv": "a recording out of a table",
     "train": "recordings in, calibration out",
     "evaluate": "error of a recording before and after compensation",
+    "diagnose": "name the effect that a calibration lacks, and add it",
     "compensate": "a recording with the compensated topics added",
     "play": "publish a recording to ROS",
     "inspect": "a calibration in words",

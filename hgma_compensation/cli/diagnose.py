@@ -1,0 +1,148 @@
+"""``hgma diagnose``."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.table import Table
+from rich.text import Text
+
+from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.calibration.document import read_calibration, write_calibration
+from hgma_compensation.channels import unit_of
+from hgma_compensation.cli import options
+from hgma_compensation.cli.terminal import check_folder, console, counting_bar, progress_bar, write_json
+from hgma_compensation.diagnosis.diagnose import diagnose
+from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis
+from hgma_compensation.diagnosis.verdict import Verdict
+from hgma_compensation.errors import RefusedError
+from hgma_compensation.files import write_atomically
+from hgma_compensation.recording.bag_reader import read_recording
+from hgma_compensation.recording.recording import Recording
+from hgma_compensation.topics import TopicNames
+
+STEPS = 6
+"""Of one channel, as the progress bar counts them: preparing, three effects and the search for a fourth, judging."""
+
+CALIBRATION, FIGURES, REPORT = "calibration.json", "diagnosis.json", "report.html"
+
+
+@click.command("diagnose")
+@options.bags_argument
+@options.calibration
+@click.option(
+    "--holdout",
+    metavar="BAG",
+    type=options.PathArgument(),
+    help="Recording to judge on. Without it: the last of several, or the end of a single one.",
+)
+@options.output("DIR", "Folder for calibration.json, report.html and diagnosis.json; made if it is not there.")
+@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the surrogates.")
+@options.remap
+@options.json_file
+def command(
+    bags: tuple[Path, ...],
+    calibration: Path,
+    holdout: Path | None,
+    output: Path,
+    seed: int,
+    names: TopicNames,
+    json_path: Path | None,
+) -> None:
+    """Name the physical effect that a calibration lacks, and add it.
+
+    Looks at what the calibration leaves in the recordings. An effect is named only where noise could not have made
+    it, where it predicts data that it was not fitted to, and where it lowers the error on the hold-out. The
+    calibration written has the effects that do.
+    """
+    _check_output(output)
+    if json_path is not None:
+        check_folder(json_path)
+    model = read_calibration(calibration)
+    recordings, held = _read(bags, holdout, names)
+    with progress_bar("diagnosing", STEPS * len(model.names)) as (bar, task):
+        taken = dict.fromkeys(model.names, 0)
+
+        def show(channel: str, text: str) -> None:
+            taken[channel] = min(taken[channel] + 1, STEPS - 1)
+            done = STEPS * model.names.index(channel) + taken[channel]
+            bar.update(task, completed=done, description=f"{channel}: {text}")
+
+        diagnosis = diagnose(recordings, model, held, seed=seed, progress=show)
+    figures = _write(diagnosis, model, output, f"{', '.join(one.name for one in recordings)}, {model.sensor_id}")
+    console.print(_table(diagnosis))
+    for channel in diagnosis.channels:
+        looks = " ".join(figures["channels"][channel.name].get("looks_like", ()))
+        click.echo(f"{channel.name}: {sentence(channel)}{'. ' + looks if looks else ''}")
+    click.echo(f"{output / REPORT}: report; {output / CALIBRATION}: calibration {diagnosis.calibration.calibration_id}")
+    write_json(json_path, figures)
+
+
+def sentence(channel: ChannelDiagnosis) -> str:
+    """Return the verdict in words."""
+    change = f"error on the hold-out {channel.error_before:.4g} -> {channel.error_after:.4g} {unit_of(channel.name)}"
+    if channel.effects:
+        return f"explained by {_list(channel.effects)}; {change}"
+    if channel.partial:
+        return f"unexplained: {_list(channel.partial)} carry a part, but {channel.judgement.reason}; {change}"
+    return f"{channel.verdict.value.replace('_', ' ')}: {channel.judgement.reason}"
+
+
+def _list(effects: tuple[Any, ...]) -> str:
+    return ", ".join(effect.name for effect in effects)
+
+
+def _check_output(output: Path) -> None:
+    """Raise RefusedError, before any work is done, where the folder cannot be made."""
+    if output.exists() and not output.is_dir():
+        raise RefusedError(f"{output} is a file: give the name of a folder")
+    if not output.exists() and not output.parent.is_dir():
+        raise RefusedError(f"{output.parent} is no directory: create it first")
+
+
+def _read(bags: tuple[Path, ...], holdout: Path | None, names: TopicNames) -> tuple[list[Recording], Recording | None]:
+    paths = [bag.resolve() for bag in (*bags, *([holdout] if holdout else []))]
+    for number, path in enumerate(paths):
+        if path in paths[:number]:
+            raise RefusedError(f"{path.name} is given twice: a hold-out must be a recording that nothing is fitted to")
+    with counting_bar("reading") as advance:
+        recordings = [read_recording(bag, names, advance) for bag in bags]
+        return recordings, read_recording(holdout, names, advance) if holdout else None
+
+
+def _write(diagnosis: Diagnosis, original: Calibration, output: Path, title: str) -> dict[str, Any]:
+    """Write the three files and return the figures."""
+    from hgma_compensation.report.diagnosis_report import write_diagnosis_report  # brings matplotlib
+    from hgma_compensation.report.remainder import looks_like
+
+    figures = diagnosis.as_json(str(output / CALIBRATION))
+    for channel in diagnosis.channels:
+        if channel.verdict is Verdict.UNEXPLAINED:
+            figures["channels"][channel.name]["looks_like"] = looks_like(channel)
+    content = (json.dumps(figures, indent=1, allow_nan=False) + "\n").encode()
+    try:
+        output.mkdir(exist_ok=True)
+    except OSError as error:
+        raise RefusedError(f"{output} cannot be made ({error.strerror}): choose another place") from None
+    write_diagnosis_report(diagnosis, output / REPORT, title=title, original=original)
+    write_calibration(diagnosis.calibration, output / CALIBRATION)
+    write_atomically(output / FIGURES, content)
+    return figures
+
+
+def _table(diagnosis: Diagnosis) -> Table:
+    table = Table(title=Text(f"RMS of means of 5 s on the hold-out {diagnosis.material.holdout}"))
+    for heading in ("channel", "unit", "verdict", "effects", "before", "after", "noise"):
+        table.add_column(heading, justify="right" if heading in ("before", "after", "noise") else "left")
+    for channel in diagnosis.channels:
+        table.add_row(
+            channel.name,
+            unit_of(channel.name),
+            channel.verdict.value,
+            _list(channel.effects) or (f"({_list(channel.partial)})" if channel.partial else "-"),
+            f"{channel.error_before:.4g}",
+            f"{channel.error_after:.4g}",
+            f"{channel.noise_floor:.4g}",
+        )
+    return table
