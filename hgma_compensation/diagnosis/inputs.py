@@ -20,6 +20,9 @@ JUMP = 100.0
 SHARP = 20.0
 """The same over what the level usually changes by from block to block: drift is no step, however quiet the sensor."""
 
+USUAL = 0.75
+"""Quantile of these changes that counts as usual: the steps themselves may be more than a tenth of them."""
+
 ALIKE = 1.12
 """Ratio of magnitudes up to which two levels are the same one."""
 
@@ -41,7 +44,7 @@ class Inputs:
 
 def find_inputs(blocks: Blocks, deviation: Array) -> Inputs:
     """Return the real acceleration in blocks; deviation: (n,) of their means from drift model and reference."""
-    usual = float(np.quantile(np.abs(np.diff(deviation)), 0.9)) if len(deviation) > 1 else 0.0
+    usual = float(np.quantile(np.abs(np.diff(deviation)), USUAL)) if len(deviation) > 1 else 0.0
     size = max(JUMP * float(np.sqrt(np.median(blocks.white))), SHARP * usual)
     edges = np.flatnonzero((np.abs(np.diff(deviation)) > size) | (np.diff(blocks.run) != 0)) + 1
     parts = np.split(np.arange(len(deviation)), edges)
