@@ -22,7 +22,7 @@ EXAMPLES: dict[str, dict[str, float | str]] = {
     "aging": {"onset": 1000.0, "origin": float(EPOCH), "limit": 5000.0},
     "cross_axis": {"source": "linear_acceleration.z"},
     "hysteresis": {"threshold": 3.0, "spread": 2.0, "bend": 1.0, "plays": 3.0, "before": 20.0, "offset": 0.5},
-    "periodic_interference": {"period": 120.0, "origin": float(EPOCH), "harmonics": 2.0},
+    "periodic_interference": {"period": 120.0, "origin": float(EPOCH), "harmonics": 2.0, "from_power_on": 0.0},
     "post_shock_zero_shift": {"threshold": 20.0, "time_constant": 300.0, "channel": AXIS},
     "quadratic_nonlinearity": {"channel": AXIS},
     "rate_dependent_hysteresis": {"exponent": 0.5, "rate_floor": 1e-4},

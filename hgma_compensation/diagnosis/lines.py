@@ -38,7 +38,10 @@ def power_spectrum(problem: Problem, residual: Array) -> tuple[Array, Array]:
 
 
 def line_candidates(state: State) -> list[Effect]:
-    """Return lines at the strongest peaks, over periods fine enough that all runs stay in phase."""
+    """Return lines at the strongest peaks, over periods fine enough that all runs stay in phase.
+
+    The phase may go on from run to run, or begin anew with each power-on.
+    """
     frequencies, power = power_spectrum(state.problem, state.projection.residual)
     if not len(frequencies):
         return []
@@ -50,10 +53,10 @@ def line_candidates(state: State) -> list[Effect]:
     for _ in range(STRONGEST):
         peak = int(np.argmax(left))
         left[max(0, peak - 2 * OVERSAMPLING) : peak + 2 * OVERSAMPLING + 1] = 0.0
-        spread = np.arange(-1.5 * width, 1.5 * width, 0.2 / whole)
-        found += [
-            PeriodicInterference(float(1.0 / f), float(state.problem.survey.origin))
-            for f in frequencies[peak] + spread
-            if f > 0.0
-        ]
+        for from_power_on, length in ((0.0, whole), (1.0, state.problem.survey.duration)):
+            around = frequencies[peak] + np.arange(-1.5 * width, 1.5 * width, 0.2 / length)
+            found += [
+                PeriodicInterference(float(1.0 / f), float(state.problem.survey.origin), from_power_on=from_power_on)
+                for f in around[around > 0.0]
+            ]
     return found

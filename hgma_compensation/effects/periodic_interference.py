@@ -16,11 +16,15 @@ from hgma_compensation.stamps import seconds_between
 @register
 @dataclass(frozen=True)
 class PeriodicInterference(Effect):
-    """Σ aₘ·sin(2πmt/P) + bₘ·cos(2πmt/P), t since ``origin``, P the period, m up to ``harmonics`` (a Fourier series)."""
+    """Σ aₘ·sin(2πmt/P) + bₘ·cos(2πmt/P), P the period, m up to ``harmonics`` (a Fourier series).
+
+    t: s since ``origin``, or, with from_power_on = 1, since the sensor was switched on.
+    """
 
     period: float
     origin: float
     harmonics: float = 1.0
+    from_power_on: float = 0.0
 
     name = "periodic_interference"
     title = "periodic interference"
@@ -28,6 +32,7 @@ class PeriodicInterference(Effect):
         "period": Span("s", 2.0, 2e4),
         "origin": Span("ns", 0.0, 9.2e18, searched=False),
         "harmonics": Span("", 1.0, 4.0, searched=False),
+        "from_power_on": Span("", 0.0, 1.0, searched=False),
     }
     identified_by = "twenty periods or more"
     folds_in_time = True
@@ -39,7 +44,8 @@ class PeriodicInterference(Effect):
 
     def columns(self, at: Conditions, state: Array) -> Array:
         """Return the sines and the cosines."""
-        cycles = seconds_between(at.stamps, int(self.origin)) / self.period
+        since = at.since_power_on if self.from_power_on else seconds_between(at.stamps, int(self.origin))
+        cycles = since / self.period
         phase = 2.0 * np.pi * (cycles - np.floor(cycles))
         waves = [wave(m * phase) for m in range(1, int(self.harmonics) + 1) for wave in (np.sin, np.cos)]
         return np.column_stack(waves)
@@ -48,6 +54,7 @@ class PeriodicInterference(Effect):
         """Refuse parameters outside their spans, and a part of a harmonic."""
         super().check()
         require_whole("harmonics", self.harmonics)
+        require_whole("from_power_on", self.from_power_on)
 
     def richer(self, survey: Survey) -> Iterator["PeriodicInterference"]:
         """Yield forms that are no pure sine."""
@@ -57,7 +64,8 @@ class PeriodicInterference(Effect):
 
     def search_step(self, survey: Survey) -> float:
         """Return the change of ln P that moves the phase at the end of the data by a fraction of a turn."""
-        return 0.3 * self.period / max(survey.lifetime, survey.duration, self.period)
+        whole = survey.duration if self.from_power_on else max(survey.lifetime, survey.duration)
+        return 0.3 * self.period / max(whole, self.period)
 
     @classmethod
     def candidates(cls, survey: Survey) -> Iterator["PeriodicInterference"]:
