@@ -13,6 +13,7 @@ from hypothesis import settings
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import write_calibration
+from hgma_compensation.demo.processes import private_ros_environment
 
 # The same examples on every run and no deadline: a test's verdict must not depend on the machine.
 settings.register_profile("repeatable", derandomize=True, deadline=None, print_blob=True)
@@ -30,3 +31,19 @@ def calibration_file(calibration: Calibration, tmp_path: Path) -> Path:
     """Return the path of that calibration's file, alone in its folder."""
     write_calibration(calibration, tmp_path / "sensor.json")
     return tmp_path / "sensor.json"
+
+
+@pytest.fixture
+def environment():
+    """Variables of a ROS of its own for the processes of a test."""
+    return private_ros_environment()
+
+
+@pytest.fixture
+def robot(environment):
+    """The test's peer on that ROS."""
+    from robot import Robot  # loads rclpy, which most tests do without
+
+    peer = Robot(int(environment["ROS_DOMAIN_ID"]))
+    yield peer
+    peer.close()

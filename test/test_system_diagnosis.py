@@ -5,28 +5,16 @@ import sys
 import numpy as np
 import pytest
 from diagnosis_blocks import RATE, diagnosis_of_days, lagging_days, trained_before
-from robot import Robot, imu, thermistor
+from robot import imu, thermistor
 
 from hgma_compensation.calibration.document import write_calibration
-from hgma_compensation.demo.processes import private_ros_environment, running
+from hgma_compensation.demo.processes import running
 from hgma_compensation.recording.compensated_bag import compensate_recording
 
 pytestmark = pytest.mark.ros
 NODE = [sys.executable, "-m", "hgma_compensation.node.main"]
 PLAYED = int(200 * RATE)
 """Samples of the third day that are played: a soak, a corner and the ramp after it."""
-
-
-@pytest.fixture
-def environment():
-    return private_ros_environment()
-
-
-@pytest.fixture
-def robot(environment):
-    robot = Robot(int(environment["ROS_DOMAIN_ID"]))
-    yield robot
-    robot.close()
 
 
 @pytest.fixture

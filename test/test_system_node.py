@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from builders import LINEAR, make_calibration, make_recording
 from effect_calibrations import OFFERED, applied, with_all_inputs
-from robot import Robot, imu, stamped, thermistor
+from robot import imu, stamped, thermistor
 
 from hgma_compensation.calibration.document import write_calibration
-from hgma_compensation.demo.processes import private_ros_environment, running
+from hgma_compensation.demo.processes import running
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.messages import stamp_of
 from hgma_compensation.recording.compensated_bag import compensate_recording
@@ -19,18 +19,6 @@ from hgma_msgs.msg import AccelBlock, SupplyVoltage
 pytestmark = pytest.mark.ros
 NODE = [sys.executable, "-m", "hgma_compensation.node.main"]
 RECORDING = make_recording(duration_s=60.0, accel_rate=10.0, thermistor_rate=2.0, cycles=1.0)
-
-
-@pytest.fixture
-def environment():
-    return private_ros_environment()
-
-
-@pytest.fixture
-def robot(environment):
-    robot = Robot(int(environment["ROS_DOMAIN_ID"]))
-    yield robot
-    robot.close()
 
 
 @pytest.fixture
