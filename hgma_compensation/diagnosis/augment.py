@@ -61,9 +61,8 @@ def _causal_columns(pipeline: Pipeline, stamps: NDArray[np.int64], imu: Array) -
     acceleration = imu.copy()
     drift = np.stack([channel.drift.evaluate(clamped) for channel in calibration.channels], axis=1)
     acceleration[:, columns_of(calibration.names)] -= drift
-    stage = calibration.stage() if not hasattr(pipeline, "_effects") else pipeline._effects
     at = pipeline.inputs.conditions(stamps, clamped, unknown, acceleration)
-    return [clamped, *stage.columns(at, pipeline.inputs.memory(stamps, unknown))]
+    return [clamped, *pipeline.stage.columns(at, pipeline.inputs.memory(stamps, unknown))]
 
 
 def as_left(state: State) -> tuple[Effect, ...]:

@@ -11,7 +11,7 @@ from hgma_compensation.channels import CHANNELS
 from hgma_compensation.diagnosis.blocks import make_blocks
 from hgma_compensation.diagnosis.inputs import find_inputs
 from hgma_compensation.diagnosis.recordings import Material
-from hgma_compensation.diagnosis.runs import Run
+from hgma_compensation.diagnosis.runs import Run, read_smoothed
 from hgma_compensation.evaluation.evaluate import MEAN_SECONDS
 from hgma_compensation.recording.compensated_bag import compensate_recording, usable_rows
 from hgma_compensation.training.blocks import noise_of_means
@@ -52,14 +52,14 @@ def held_out_error(material: Material, runs: Sequence[Run], calibration: Calibra
     """
     column, number = CHANNELS.index(channel), calibration.names.index(channel)
     reference = calibration.channels[number].reference
-    results = []
+    compensated = []
     for run in runs:
         rows = usable_rows(run.recording, calibration)
         result = compensate_recording(run.recording, calibration)
         values = np.full_like(run.recording.values, np.nan)
         values[rows, column] = result.values[:, number]
-        results.append((replace(run, recording=replace(run.recording, values=values)), result))
-    blocks = make_blocks([run for run, _ in results], channel, MEAN_SECONDS)
+        compensated.append(replace(run, recording=replace(run.recording, values=values)))
+    blocks = make_blocks(compensated, channel, MEAN_SECONDS)
     deviation = blocks.values - reference
     inputs = find_inputs(blocks, deviation)
     held = material.held_rows(blocks)
@@ -69,15 +69,13 @@ def held_out_error(material: Material, runs: Sequence[Run], calibration: Calibra
         deviation = deviation - inputs.columns @ levels
     rows = held & inputs.usable
     index = int(blocks.run[rows][0]) if rows.any() else 0
-    run, result = results[index]
+    run = compensated[index]
     samples = material.held_out(run.recording.stamps, run.recording)
-    smoothed = run.smoothed
-    at = (blocks.stamps[rows] - smoothed.stamps[0]) * 1e-9
-    grid = (smoothed.stamps - smoothed.stamps[0]) * 1e-9
+    temperature, rate = read_smoothed(run.smoothed, blocks.stamps[rows])
     return HeldOutError(
         time=np.asarray((blocks.stamps[rows] - material.held[0]) * 1e-9, dtype=np.float64),
-        temperature=np.interp(at, grid, smoothed.temperature),
-        rate=np.interp(at, grid, smoothed.rate),
+        temperature=temperature,
+        rate=rate,
         error=deviation[rows],
         stamps=run.recording.stamps[samples],
         compensated=run.recording.values[samples, column],

@@ -12,7 +12,7 @@ from hgma_compensation.diagnosis.leftover import leftover, slow_directions
 from hgma_compensation.diagnosis.lines import TRIALS, line_candidates
 from hgma_compensation.diagnosis.polish import polish
 from hgma_compensation.diagnosis.problem import Problem, State
-from hgma_compensation.diagnosis.search import Scored, searched_count
+from hgma_compensation.diagnosis.search import Scored
 from hgma_compensation.diagnosis.significance import null_maxima, score_of
 from hgma_compensation.diagnosis.spectra import Spectra
 from hgma_compensation.effects.effect import Effect
@@ -140,7 +140,8 @@ class Forward:
             best = self._polished(state, state.score(grid))
         smooth = [s for s in state.score(grid) if s.name != LINE]
         null = null_maxima(state.projection, [s.directions for s in smooth], self.random)
-        return state, [self._judged(state, scored, null.p_value, largest) for scored in best]
+        slow = slow_directions(state)
+        return state, [self._judged(state, slow, scored, null.p_value, largest) for scored in best]
 
     def _polished(self, state: State, scored: Sequence[Scored]) -> list[Scored]:
         """Return the best of each kind, sorted by BIC, those that could win with their parameter polished."""
@@ -164,9 +165,10 @@ class Forward:
                 one = rich
         return one
 
-    def _judged(self, state: State, scored: Scored, p_value: Callable[[float], float], largest: float) -> Candidate:
-        after = state.projection.added(scored.columns)
-        dispersion = leftover(after, slow_directions(state.with_effects(state.effects, state.columns))).dispersion
+    def _judged(
+        self, state: State, slow: Array, scored: Scored, p_value: Callable[[float], float], largest: float
+    ) -> Candidate:
+        dispersion = leftover(state.projection.added(scored.columns), slow).dispersion
         score = float(score_of(scored.gain, scored.rank, dispersion))
         p = min(1.0, TRIALS * 10.0**-score) if scored.name == LINE else p_value(score)
         candidate = Candidate(scored, p)
@@ -239,9 +241,3 @@ class Forward:
     def _needed(self, state: State, found: Sequence[Found], index: int) -> bool:
         others = self._beside(state, [f for i, f in enumerate(found) if i != index])
         return others.score([found[index].effect])[0].bic < -CLOSE
-
-
-def total_bic(state: State) -> float:
-    """Return the BIC of a state's effects, up to what the noise alone decides."""
-    count = sum(c.shape[1] for c in state.columns) + sum(searched_count(e) for e in state.effects)
-    return state.left + count * float(np.log(len(state.projection.residual)))

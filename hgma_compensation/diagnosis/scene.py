@@ -122,8 +122,11 @@ class Scene:
         return states
 
     def _mean_acceleration(self, number: int, rows: NDArray[np.int64]) -> Array:
-        samples = self.acceleration[number]
-        sums = np.vstack([np.zeros(samples.shape[1]), np.cumsum(np.nan_to_num(samples), axis=0)])
+        return self._block_means(rows, np.nan_to_num(self.acceleration[number]))
+
+    def _block_means(self, rows: NDArray[np.int64], samples: Array) -> Array:
+        """Return the means (n, k) over blocks of one run of its samples (m, k)."""
+        sums = np.vstack([np.zeros(samples.shape[1]), np.cumsum(samples, axis=0)])
         first, last = self.blocks.first[rows], self.blocks.last[rows]
         return np.asarray((sums[last] - sums[first]) / (last - first)[:, None])
 
@@ -137,10 +140,7 @@ class Scene:
         state = np.empty((len(recording.stamps), 0))
         if memory is not None:
             state = memory.run(memory.start(), recording.stamps, samples[:, CHANNELS.index(self.channel)])
-        columns = effect.columns(at, state)
-        sums = np.vstack([np.zeros(columns.shape[1]), np.cumsum(columns, axis=0)])
-        first, last = self.blocks.first[rows], self.blocks.last[rows]
-        return np.asarray((sums[last] - sums[first]) / (last - first)[:, None])
+        return self._block_means(rows, effect.columns(at, state))
 
     def _only_moving(self, number: int, rows: NDArray[np.int64], samples: Array) -> Array:
         """Return the acceleration with 0 where the channel is at rest: noise and drift are no input."""

@@ -26,14 +26,14 @@ class Pipeline:
     """State of one sensor's compensation under one calibration.
 
     Samples of accelerometer, thermometers and supply voltage may be given in any interleaving; results are decided by
-    stamps. columns_read: of CHANNELS, those that must be finite. Not thread-safe.
+    stamps. columns_read: of CHANNELS, those that must be finite. stage: the effects, with their state. Not thread-safe.
     """
 
     def __init__(self, calibration: Calibration, *, live: bool = False) -> None:
         """Start without history; live: drop history that no sample can reach any more."""
         self.calibration = calibration
-        self._effects = calibration.stage()
-        self.inputs = Inputs(calibration.features, calibration.calibrated_range, self._effects, live=live)
+        self.stage = calibration.stage()
+        self.inputs = Inputs(calibration.features, calibration.calibrated_range, self.stage, live=live)
         self._filters = [
             None if channel.filter.noise is None else KalmanStage(channel.filter, channel.reference)
             for channel in calibration.channels
@@ -64,7 +64,7 @@ class Pipeline:
 
     def _begin_anew(self) -> None:
         """Forget the acceleration."""
-        self._effects.reset()
+        self.stage.reset()
         for stage in self._filters:
             if stage is not None:
                 stage.reset()
@@ -102,7 +102,7 @@ class Pipeline:
 
     def _widened(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return values (n, c) as columns of CHANNELS (n, 6), the others 0."""
-        if missing := self._effects.other_channels:
+        if missing := self.stage.other_channels:
             raise ValueError(f"effects of the calibration need imu: they read {', '.join(missing)}")
         wide = np.zeros((len(values), len(CHANNELS)))
         wide[:, self._columns] = values
@@ -135,12 +135,12 @@ class Pipeline:
         """Return the drift (n, c) of model and effects, at features (n, 3) clamped to the calibrated range."""
         clamped = self.calibration.calibrated_range.clamp(features)
         drift = np.stack([channel.drift.evaluate(clamped) for channel in self.calibration.channels], axis=1)
-        if not self._effects.effects:
+        if not self.stage.effects:
             return drift
         acceleration = imu.copy()
         acceleration[:, self._columns] = values - drift
         at = self.inputs.conditions(stamps, clamped, unknown, acceleration)
-        return drift + self._effects.drift(at, self.inputs.memory(stamps, unknown))
+        return drift + self.stage.drift(at, self.inputs.memory(stamps, unknown))
 
     def _filter(self, stamps: Stamps, corrected: NDArray[np.float64], innovation: NDArray[np.float64]) -> None:
         """Run the Kalman stage in place over one stretch (m, c)."""
@@ -154,7 +154,7 @@ class Pipeline:
             "calibration_id": self.calibration.calibration_id,
             "inputs": self.inputs.snapshot(),
             "newest": self._stretches.newest,
-            "effects": self._effects.snapshot(),
+            "effects": self.stage.snapshot(),
         }
 
     def restore(self, snapshot: dict[str, Any]) -> None:
@@ -167,7 +167,7 @@ class Pipeline:
             )
         try:
             self.inputs.restore(snapshot["inputs"])
-            self._effects.restore(snapshot["effects"])
+            self.stage.restore(snapshot["effects"])
             self._stretches.newest = None if snapshot["newest"] is None else int(snapshot["newest"])
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             self.reset()
