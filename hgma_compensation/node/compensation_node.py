@@ -1,34 +1,15 @@
 """The managed node ``compensation_node``."""
 
-from collections.abc import Callable
-from functools import partial
-from typing import Any
-
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
-from sensor_msgs.msg import Imu, Temperature
-from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
-from hgma_compensation import topics
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.errors import RefusedError
-from hgma_compensation.messages import (
-    block_samples,
-    imu_values,
-    patch_block,
-    patch_imu,
-    stamp_of,
-    widen_block,
-)
 from hgma_compensation.node.calibration_parameter import CalibrationParameter
 from hgma_compensation.node.diagnostics import DiagnosticReport
-from hgma_compensation.node.interfaces import INPUT_QOS, OUTPUT_QOS, drain, overridable
-from hgma_compensation.pipeline.live import LiveCompensation, LiveResult, single_sample
-from hgma_compensation.pipeline.reasons import Skip
-from hgma_compensation.pipeline.state_fields import state_fields
-from hgma_msgs.msg import AccelBlock, CompensationState, SupplyVoltage
+from hgma_compensation.node.streams import Streams
+from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_msgs.srv import LoadCalibration
 
 DIAGNOSTIC_PERIOD = 1.0
@@ -47,9 +28,8 @@ class CompensationNode(LifecycleNode):
         autostart = ParameterDescriptor(description="Configure and activate at start-up", read_only=True)
         self._autostart = bool(self.declare_parameter("autostart", True, autostart).value)
         self._live = LiveCompensation()
+        self._streams = Streams(self, self._live)
         self._state = "unconfigured"
-        self._slow: list[tuple[Any, Callable[[Any], None]]] = []
-        self._entities: list[Any] = []
         self._calibration = CalibrationParameter(self, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
         self.create_service(Trigger, "~/reset", self._on_reset)
@@ -77,8 +57,8 @@ class CompensationNode(LifecycleNode):
             if calibration is None:
                 return TransitionCallbackReturn.FAILURE
             self._use(calibration)
-        self._open_topics()
-        self._state = "inactive"
+        self._streams.open()
+        self._enter("inactive")
         return super().on_configure(state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -87,112 +67,34 @@ class CompensationNode(LifecycleNode):
             self.get_logger().warning(
                 "no calibration yet: set the parameter calibration_file or call ~/load_calibration"
             )
-        self._state = "active"
+        self._enter("active")
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop publishing; the thermistor is still followed."""
-        self._state = "inactive"
+        self._enter("inactive")
         return super().on_deactivate(state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Close the topics and forget calibration and history."""
-        self._close_topics()
+        self._streams.close()
         self._live.remove_calibration()
         self._live.reset()
-        self._state = "unconfigured"
+        self._enter("unconfigured")
         return super().on_cleanup(state)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Close the topics."""
-        self._close_topics()
-        self._state = "finalized"
+        self._streams.close()
+        self._enter("finalized")
         return super().on_shutdown(state)
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Return to unconfigured, from where the node can be configured again."""
         return self.on_cleanup(state)
 
-    def _open_topics(self) -> None:
-        subscribe = partial(self.create_subscription, qos_profile=INPUT_QOS, qos_overriding_options=overridable())
-        publish = partial(self.create_lifecycle_publisher, qos_profile=OUTPUT_QOS, qos_overriding_options=overridable())
-        # The slow inputs first: where both wait, the executor then serves them before the accelerometer.
-        self._slow = [
-            (subscribe(message_type, topic, take), take)
-            for message_type, topic, take in (
-                (Temperature, topics.TEMPERATURE, self._take_temperature),
-                (Temperature, topics.TEMPERATURE_2, self._take_temperature_2),
-                (SupplyVoltage, topics.SUPPLY_VOLTAGE, self._take_supply_voltage),
-            )
-        ]
-        self._raw = subscribe(Imu, topics.RAW, self._on_raw)
-        self._raw_block = subscribe(AccelBlock, topics.RAW_BLOCK, self._on_raw_block)
-        self._compensated = publish(Imu, topics.COMPENSATED)
-        self._compensated_block = publish(AccelBlock, topics.COMPENSATED_BLOCK)
-        self._states = publish(CompensationState, topics.STATE)
-
-    def _close_topics(self) -> None:
-        if not self._slow:
-            return
-        for subscription in (*(slow for slow, _ in self._slow), self._raw, self._raw_block):
-            self.destroy_subscription(subscription)
-        for publisher in (self._compensated, self._compensated_block, self._states):
-            self.destroy_lifecycle_publisher(publisher)
-        self._slow = []
-
-    # Samples ----------------------------------------------------------------------------------------
-
-    def _take_temperature(self, message: Temperature) -> None:
-        self._live.add_temperature(stamp_of(message), message.temperature)
-
-    def _take_temperature_2(self, message: Temperature) -> None:
-        self._live.add_temperature_2(stamp_of(message), message.temperature)
-
-    def _take_supply_voltage(self, message: SupplyVoltage) -> None:
-        self._live.add_supply_voltage(stamp_of(message), message.voltage)
-
-    def _drain_slow(self) -> None:
-        """Take every waiting sample of thermometers and supply voltage.
-
-        Called after accelerations were taken and before they are compensated: a slow sample that was sent before one
-        of them is then among those taken here.
-        """
-        for subscription, take in self._slow:
-            for message in drain(subscription):
-                take(message)
-
-    def _on_raw(self, message: Imu) -> None:
-        waiting = [message, *drain(self._raw)]
-        self._drain_slow()
-        for taken in waiting:
-            self._compensate(taken)
-
-    def _compensate(self, message: Imu) -> None:
-        if self._state != "active":
-            return self._live.skip_unseen(Skip.NOT_ACTIVE, 1)
-        result = self._live.compensate(*single_sample(stamp_of(message), imu_values(message)))
-        if result is not None:
-            patch_imu(message, result.calibration.names, result.compensated.values[0].tolist())
-            self._compensated.publish(message)
-            self._publish_state(message.header, result)
-
-    def _on_raw_block(self, message: AccelBlock) -> None:
-        self._drain_slow()
-        if self._state != "active":
-            return self._live.skip_unseen(Skip.NOT_ACTIVE, len(message.x))
-        try:
-            stamps, values = block_samples(message, topics.RAW_BLOCK)
-        except RefusedError:
-            return self._live.skip_unseen(Skip.MALFORMED_BLOCK, max(len(message.x), 1))
-        result = self._live.compensate(stamps, widen_block(values)) if len(stamps) else None
-        if result is not None:
-            patch_block(message, result.calibration.names, result.compensated.values)
-            self._compensated_block.publish(message)
-            self._publish_state(message.header, result)
-
-    def _publish_state(self, header: Header, result: LiveResult) -> None:
-        fields = state_fields(result.calibration, result.compensated, -1)
-        self._states.publish(CompensationState(header=header, **fields))
+    def _enter(self, state: str) -> None:
+        self._state, self._streams.publishing = state, state == "active"
 
     # Calibration, reset, diagnostics ----------------------------------------------------------------
 
