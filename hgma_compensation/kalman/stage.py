@@ -1,6 +1,7 @@
 """The Kalman stage of one channel: random-walk filter, gate, and the two ways of using them."""
 
 from collections import deque
+from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
@@ -23,6 +24,18 @@ PAUSE = 10.0
 """Times the interval before: a longer one is a pause, in which the level went on and no sample was taken."""
 
 
+@dataclass
+class Consistency:
+    """Sum of the normalised innovations squared of the samples while the gate was closed, and how many were in both.
+
+    The mean (NIS; Bar-Shalom et al. 2001, section 5.4) is 1 where the noise is what the calibration says.
+    """
+
+    squares: float = 0.0
+    closed: int = 0
+    open: int = 0
+
+
 class KalmanStage:
     """Streaming stage; a batch runs through the same steps.
 
@@ -42,7 +55,7 @@ class KalmanStage:
         self._quiet = QuietDetector(settings.threshold, settings.wander)
         self._debt = ImpulseDebt()
         self.openings = 0
-        self._squares, self._counted = 0.0, 0
+        self._consistency = Consistency()
         self.reset()
 
     def reset(self) -> None:
@@ -60,14 +73,9 @@ class KalmanStage:
         """Go on at a clock that was set back, the next sample's being ``stamp`` (ns): that one has no interval."""
         self._newest = stamp
 
-    def take_consistency(self) -> tuple[float, int]:
-        """Return the sum of the normalised innovations squared, and their number, since the last call.
-
-        Their mean (NIS; Bar-Shalom et al. 2001, section 5.4) is 1 where the noise is what the calibration says. Samples
-        while the gate is open do not count.
-        """
-        taken = (self._squares, self._counted)
-        self._squares, self._counted = 0.0, 0
+    def take_consistency(self) -> Consistency:
+        """Return what the innovations were like since the last call."""
+        taken, self._consistency = self._consistency, Consistency()
         return taken
 
     def run(self, stamps: Stamps, measured: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -104,6 +112,7 @@ class KalmanStage:
         innovation_variance = level.predict(dt, self._averaged(dt))
         normalised = innovation / sqrt(innovation_variance)
         if self.open:
+            self._consistency.open += 1
             output = self._output(z)
             self._wait_for_quiet(z, self._interval)
         elif self._gate.exceeded(innovation, innovation_variance):
@@ -111,8 +120,8 @@ class KalmanStage:
             output = self._output(z)
         else:
             self._history.append(before)
-            self._squares += normalised * normalised
-            self._counted += 1
+            self._consistency.squares += normalised * normalised
+            self._consistency.closed += 1
             level.correct(innovation, innovation_variance)
             output = self._output(z)
             self._debt.withhold((z - output) * dt)

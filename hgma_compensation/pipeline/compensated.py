@@ -25,6 +25,10 @@ class Compensated:
     status: NDArray[np.uint8]
     uncertainty: NDArray[np.float64]
 
+    def added_variance(self, row: int) -> NDArray[np.float64] | None:
+        """Return by what (c,) a sample's variances grow; None where the temperature is what the calibration knows."""
+        return self.uncertainty[row] ** 2 if self.status[row] else None
+
 
 def joined(parts: Sequence[Compensated]) -> Compensated:
     """Return the results of consecutive samples as one."""

@@ -1,16 +1,18 @@
 """A pipeline that lives in a node: swaps calibrations, remembers the slow inputs, counts what it skips."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.channels import columns_of
+from hgma_compensation.channels import columns_of, group_of
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.health import Health
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.reasons import LATE, MISSING, STALE, Note, Skip, sample_name, status_name
@@ -40,16 +42,17 @@ class LiveResult:
 class LiveCompensation:
     """The node's state without ROS. Not thread-safe: one executor thread owns it.
 
-    stop_on: statuses of the temperature in which samples get no output. rest: what the calibration leaves at rest.
+    stop_on: statuses of the temperature in which samples get no output. temperatures: thermistor samples so far.
     """
 
     def __init__(self) -> None:
         """Start without a calibration."""
         self.counts: Counter[str] = Counter()
-        self.received = self.compensated = 0
+        self.received = self.compensated = self.temperatures = 0
         self.last_result: LiveResult | None = None
         self.stop_on: frozenset[TemperatureStatus] = frozenset()
-        self.rest: RestMonitor | None = None
+        self._rest: RestMonitor | None = None
+        self._health: Health | None = None
         self._pipeline: Pipeline | None = None
         self._frame: str | None = None
         self._remembered: dict[Need | None, Remembered] = {need: Remembered() for need in SLOW_INPUTS}
@@ -69,6 +72,31 @@ class LiveCompensation:
         """Inputs that an effect of the calibration in use needs, and that have never come."""
         return self._pipeline.inputs.missing if self._pipeline else ()
 
+    @property
+    def temperature_unchanged(self) -> float:
+        """For how long (s) the thermistor has shown exactly the same value."""
+        if self._pipeline is None or self._pipeline.newest is None:
+            return 0.0
+        return self._pipeline.track.unchanged(self._pipeline.newest)
+
+    @property
+    def thermistor_behind(self) -> float:
+        """By how much (s) the thermistor's newest stamp is behind the accelerometer's; infinite without one."""
+        if self._pipeline is None or self._pipeline.newest is None or self._pipeline.track.last is None:
+            return inf
+        return (self._pipeline.newest - self._pipeline.track.last) * 1e-9
+
+    def problems(self) -> list[str]:
+        """Return what says that the calibration does not fit the sensor; once for each report."""
+        if self._health is None:
+            return []
+        self._health.update()
+        return self._health.problems()
+
+    def values(self) -> list[tuple[str, str]]:
+        """Return the figures behind ``problems``, by name."""
+        return [] if self._health is None else self._health.values()
+
     def install(self, calibration: Calibration) -> None:
         """Use a calibration from the next sample on; it starts from what is remembered of the slow inputs."""
         pipeline = Pipeline(calibration, live=True)
@@ -78,23 +106,25 @@ class LiveCompensation:
             for stamp, value in self._remembered[need]:
                 pipeline.add(need, stamp, value)
         self._pipeline = pipeline
-        self.rest = RestMonitor(calibration)
+        self._rest = RestMonitor(calibration)
+        self._health = Health(pipeline, self._rest)
 
     def remove_calibration(self) -> None:
         """Drop the calibration; samples are skipped until another is installed."""
-        self._pipeline = None
+        self._pipeline = self._rest = self._health = None
         self.last_result = None
 
     def reset(self) -> None:
         """Forget the history of all inputs, memories and filter states; calibration and counts stay."""
         for samples in self._remembered.values():
             samples.clear()
-        if self._pipeline is not None and self.rest is not None:
+        if self._pipeline is not None and self._rest is not None:
             self._pipeline.reset()
-            self.rest.reset()
+            self._rest.reset()
 
     def add_temperature(self, stamp: int, celsius: float) -> None:
         """Take a thermistor sample (ns, °C)."""
+        self.temperatures += 1
         self._add(None, stamp, celsius)
 
     def add_temperature_2(self, stamp: int, celsius: float) -> None:
@@ -163,8 +193,14 @@ class LiveCompensation:
         for need in pipeline.inputs.wanted:
             if (note := _absence(need, pipeline.inputs.updates(need).last, newest)) is not None:
                 self.counts[note.value] += len(stamps)
-        assert self.rest is not None
-        self.rest.take(stamps, values - result.drift, result.features[:, 0], usable=not result.status.any())
+        assert self._rest is not None
+        self._rest.take(stamps, values - result.drift, result.features[:, 0], usable=not result.status.any())
+
+    def covers(self, groups: Collection[str]) -> bool:
+        """Return whether the calibration in use compensates a channel of one of these fields of an Imu."""
+        return (
+            bool(groups) and self.calibration is not None and any(group_of(n) in groups for n in self.calibration.names)
+        )
 
     def begin_frame(self, frame: str) -> None:
         """Take note of the frame of the next samples; where it changes, another sensor may have come."""

@@ -12,7 +12,7 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import CHANNELS, columns_of
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.kalman.stage import KalmanStage
+from hgma_compensation.kalman.stage import Consistency, KalmanStage
 from hgma_compensation.pipeline.compensated import Compensated, joined
 from hgma_compensation.pipeline.inputs import Inputs
 from hgma_compensation.pipeline.status import temperature_status
@@ -65,9 +65,9 @@ class Pipeline:
         """How often real acceleration has opened the gate of any channel's Kalman stage."""
         return sum(stage.openings for stage in self._filters if stage is not None)
 
-    def take_consistency(self) -> list[tuple[float, int]]:
-        """Return for each channel what its Kalman stage says of its innovations since the last call: see there."""
-        return [(0.0, 0) if stage is None else stage.take_consistency() for stage in self._filters]
+    def take_consistency(self) -> list[Consistency]:
+        """Return for each channel what the innovations of its Kalman stage were like since the last call."""
+        return [Consistency() if stage is None else stage.take_consistency() for stage in self._filters]
 
     def reset(self) -> None:
         """Forget all inputs, memories and filter states; the calibration stays."""

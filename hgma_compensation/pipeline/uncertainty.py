@@ -47,7 +47,7 @@ class DriftUncertainty:
         variance = np.broadcast_to(self._error**2, (len(status), len(self._error))).copy()
         for feature in range(3):
             variance += (excess[:, feature, None] * self._spans[:, feature]) ** 2
-        return np.asarray(np.sqrt(variance))
+        return np.where((status == TemperatureStatus.OK)[:, None], self._error, np.sqrt(variance))
 
     def _excess(self, features: Array, age: Array, status: NDArray[np.uint8]) -> Array:
         """Return by how many half widths of the range each feature may be off, (n, 3)."""

@@ -79,13 +79,13 @@ def read_recording(path: Path, names: topics.TopicNames | None = None, progress:
                 f"bag {path} holds no {names[topics.RAW]}, only {held}: "
                 f"name the accelerometer's topic with --remap /{topics.RAW}:=/your/topic"
             )
-        stamps, values, present, frame = reading.imu(imu) if imu else reading.blocks(blocks)
+        stamps, values, present, frame, block = reading.imu(imu) if imu else reading.blocks(blocks)
         scalars = {
             "temperature": reading.scalars(names[topics.TEMPERATURE], types.TEMPERATURE, "temperature"),
             "temperature_2": reading.scalars(names[topics.TEMPERATURE_2], types.TEMPERATURE, "temperature"),
             "supply_voltage": reading.scalars(names[topics.SUPPLY_VOLTAGE], types.SUPPLY_VOLTAGE, "voltage"),
         }
-    return Recording(Path(path).name, stamps, values, present, frame=frame, **scalars)
+    return Recording(Path(path).name, stamps, values, present, frame=frame, block=block, **scalars)
 
 
 class _Reading:
@@ -114,7 +114,7 @@ class _Reading:
             stamps[row], values[row] = stamp_of(message), imu_values(message)
             absent = absent_groups(message) if absent is None else absent & absent_groups(message)
             frame, row = message.header.frame_id, row + 1
-        return stamps[:row], values[:row], present_channels(values[:row], absent or set()), frame
+        return stamps[:row], values[:row], present_channels(values[:row], absent or set()), frame, None
 
     def blocks(self, connections: list[Connection]) -> tuple[Any, ...]:
         parts, frame = [], ""
@@ -123,7 +123,8 @@ class _Reading:
             frame = message.header.frame_id
         stamps = np.concatenate([part[0] for part in parts])
         values = widen_block(np.concatenate([part[1] for part in parts]))
-        return stamps, values, present_channels(values, {"angular_velocity"}), frame
+        block = np.repeat(np.arange(len(parts)), [len(part[0]) for part in parts])
+        return stamps, values, present_channels(values, {"angular_velocity"}), frame, block
 
     def scalars(self, topic: str, message_type: str, attribute: str) -> Series:
         connections = self.connections(topic, message_type)
