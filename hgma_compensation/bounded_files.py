@@ -21,7 +21,7 @@ def open_regular(path: Path) -> BinaryIO:
         descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the name
         reason = error.strerror if isinstance(error, OSError) else error
-        raise RefusedError(f"{path} cannot be opened ({reason}): check the path and its permissions") from None
+        raise RefusedError(f"{path} cannot be read ({reason}): check the path and its permissions") from None
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
         raise RefusedError(f"{path} is not a regular file: give the file itself")

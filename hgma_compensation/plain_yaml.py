@@ -7,7 +7,6 @@ merge keys copy what they merge, and its numbers may have a million digits. So t
 import yaml
 
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.plain_values import check_plain
 
 MOST_VALUES = 200_000
 """Values that a document may have, with every alias written out."""
@@ -50,7 +49,6 @@ def load_plain(text: str) -> object:
             return None
         _Size().of(node)
         document: object = loader.construct_document(node)
-        check_plain(document)
     except (yaml.YAMLError, ValueError, OverflowError, TypeError) as error:
         raise RefusedError(f"is no YAML: {error}: correct it") from None
     except RecursionError:

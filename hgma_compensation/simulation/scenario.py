@@ -7,6 +7,7 @@ from typing import Any, cast
 from hgma_compensation import schema_check
 from hgma_compensation.bounded_files import read_text
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.plain_values import check_plain
 from hgma_compensation.plain_yaml import load_plain
 from hgma_compensation.simulation.description import Axis, FirstMode, Oven, Scenario, Step
 from hgma_compensation.simulation.effects.telegraph_noise import TelegraphNoise
@@ -32,6 +33,7 @@ def read_scenario(path: Path) -> Scenario:
     path = Path(path)
     try:
         document = load_plain(read_text(path, LARGEST_FILE))
+        check_plain(document)
         schema_check.check(document, schema_check.load_schema(__package__, "scenario.schema.json"))
         return _decode(path, cast(dict[str, Any], document))
     except RefusedError as refusal:
