@@ -55,6 +55,7 @@ QUADRATIC = {
     "parameters": {"channel": "linear_acceleration.z"},
     "gains": [1e9],
 }
+GRADIENT = {"effect": "thermal_gradient", "channel": "linear_acceleration.z", "parameters": {}, "gains": [0.1, 0.1]}
 
 
 def with_effect(**changes):
@@ -109,6 +110,10 @@ CHANGES = [
     (with_effect(gains=[1.0, 2.0]), r"effects\[0\]\.gains has 2 elements, must have 1 with these parameters"),
     (with_effect(gains=[1e308]), r"effects\[0\].gains\[0\] is 1e\+308, must be at most 1"),
     (lambda d: d.update(effects=[QUADRATIC] * 5), r"effects\[2\] overflows inside the calibrated range"),
+    (
+        lambda d: d.update(effects=[{**QUADRATIC, "gains": [6e-11]}] * 9 + [{**GRADIENT, "gains": [2e11, 0.0]}]),
+        r"effects\[[0-8]\] overflows inside the calibrated range",
+    ),
     (
         with_effect(effect="quadratic_nonlinearity", parameters={"channel": "linear_acceleration.x"}),
         r"effects\[0\]\.parameters\.channel is 'linear_acceleration.x', must be 'linear_acceleration.z'",

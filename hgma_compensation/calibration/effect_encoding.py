@@ -73,7 +73,8 @@ def check_effects(calibration: Calibration) -> None:
     with np.errstate(all="ignore"):
         box = calibration.calibrated_range
         largest += max(abs(c.reference) + largest_drift(c.drift, box) for c in calibration.channels)
-        for index, applied in enumerate(calibration.effects):
+        # Those that do not bend with the acceleration are added first, wherever they stand in the list.
+        for index, applied in sorted(enumerate(calibration.effects), key=lambda item: item[1].effect.per_sample):
             if applied.channel not in calibration.names:
                 raise RefusedError(
                     f"effects[{index}].channel is {applied.channel!r}, "
