@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 
 from hgma_compensation import topics
@@ -21,6 +20,7 @@ from hgma_compensation.pipeline.screening import usable_samples
 from hgma_compensation.pipeline.state_fields import state_fields
 from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording import typestore as types
+from hgma_compensation.recording.bag import Bag
 from hgma_compensation.recording.bag_reader import open_bag, read_messages
 from hgma_compensation.recording.bag_writer import BagWriter, Storage, new_bag
 from hgma_compensation.recording.recording import Recording
@@ -108,7 +108,7 @@ class _Copy:
 
     def __init__(
         self,
-        reader: AnyReader,
+        reader: Bag,
         bag: BagWriter,
         names: topics.TopicNames,
         calibration: Calibration,
