@@ -2,6 +2,7 @@
 
 from enum import Enum
 
+from hgma_compensation import topics
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.temperature.track import Sample
 
@@ -39,6 +40,18 @@ def sample_name(need: Need | None, sample: Sample) -> str:
     return sample.value if need is None else sample.value.replace("temperature", need.value, 1)
 
 
+def lost_name(topic: str) -> str:
+    """Return the name in the diagnostics of messages of an input that were sent and never arrived."""
+    return f"{topic.rpartition('/')[2]}_lost_in_transport"
+
+
+def incompatible_name(topic: str) -> str:
+    """Return the name in the diagnostics of other sides of a topic whose QoS does not fit."""
+    return f"{topic.rpartition('/')[2]}_qos_incompatible"
+
+
+ROS_TIME_JUMPED_BACK = "ros_time_jumped_back"
+
 _BAD_SAMPLES = {
     Sample.RESTARTED: "expected when a bag loops; else check the clock that stamps the {}",
     Sample.REPEATED: "check the {}'s driver: it sends the same stamp again",
@@ -52,6 +65,8 @@ _INPUTS: dict[Need | None, str] = {
     Need.SUPPLY_VOLTAGE: "supply voltage",
 }
 _LATE = "the {}'s messages arrive later than features.latency of the calibration: check its driver's stamps and load"
+_LOST = "the node or the network was too slow for {}: lower its rate or the load, or send blocks"
+_INCOMPATIBLE = "{} and its other side do not talk: the log names the policy to set with qos_overrides"
 _MISSING = "an effect of the calibration needs the {}, which has never come, and is left out: check the topic accel/{}"
 
 REMEDIES: dict[str, str] = {
@@ -61,6 +76,9 @@ REMEDIES: dict[str, str] = {
     Skip.MALFORMED_BLOCK.value: "check the driver: x, y, z of a block must have equal length and "
     "sample_interval must be positive",
     Note.TIME_JUMPED_BACK.value: "expected when a bag loops; else check the clock that stamps the accelerometer",
+    ROS_TIME_JUMPED_BACK: "expected when a bag or simulation starts again; else look for a second publisher of /clock",
+    **{lost_name(topic): _LOST.format(topic) for topic in topics.INPUTS},
+    **{incompatible_name(topic): _INCOMPATIBLE.format(topic) for topic in topics.INPUTS + topics.OUTPUTS},
     **{note.value: _LATE.format(_INPUTS[need]) for need, note in LATE.items()},
     **{note.value: _MISSING.format(_INPUTS[need], need.value) for need, note in MISSING.items()},
     **{
