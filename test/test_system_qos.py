@@ -67,6 +67,13 @@ def test_best_effort_and_reliable_drivers_and_readers_are_all_served(robot, node
             robot.raw.publish(second)
             robot.spin(0.02)
         robot.wait(lambda: len(robot.compensated) == len(unsure) == 20, "the samples of both drivers at both readers")
+        robot.node.destroy_publisher(driver)
+        again = robot.node.create_publisher(Imu, "accel/raw", qos(BEST_EFFORT))
+        robot.wait(lambda: again.get_subscription_count() == 1, "the node to hear the driver that was started anew")
+        robot.spin(0.5)
+        again.publish(SAMPLES[20])
+        robot.wait(lambda: len(robot.compensated) == 21, "its sample")
+        assert "raw_lost_in_transport" not in robot.diagnosis()[2]  # two numberings, and one that began anew
 
 
 def test_a_reader_that_comes_late_gets_what_is_published_from_then_on(robot, node):

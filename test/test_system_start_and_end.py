@@ -54,6 +54,7 @@ def test_a_parameter_that_cannot_be_used_is_refused_in_one_line(environment, giv
 
 def test_arguments_and_files_that_ros_cannot_read_are_refused_in_one_line(environment, tmp_path):
     assert "autostart" in refused(environment, "-p", "autostart")
+    assert "--nonsense" in refused(environment, "--nonsense")
     assert "none.yaml" in refused(environment, "--params-file", str(tmp_path / "none.yaml"))
     broken = tmp_path / "broken.yaml"
     broken.write_text("/**:\n  ros__parameters:\n    autostart: [true\n")

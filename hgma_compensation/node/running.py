@@ -46,15 +46,22 @@ def run(args: Sequence[str], stop: threading.Event) -> int:
 def _initialise(args: Sequence[str]) -> None:
     try:
         rclpy.init(args=list(args), signal_handler_options=SignalHandlerOptions.NO)
-    except (rclpy_implementation.RCLError, rclpy_implementation.UnknownROSArgsError) as error:
-        raise RefusedError(f"arguments: {str(error).splitlines()[0]}") from error
+    except rclpy_implementation.UnknownROSArgsError as error:
+        raise RefusedError(f"arguments: ROS knows nothing of {error} after --ros-args") from error
+    except rclpy_implementation.RCLError as error:
+        raise RefusedError(f"arguments: {_cause(error)}") from error
 
 
 def _create() -> CompensationNode:
     try:
         return CompensationNode()
     except (ParameterException, rclpy_implementation.RCLError) as error:
-        raise RefusedError(f"parameters: {str(error).splitlines()[0]}") from error
+        raise RefusedError(f"parameters: {_cause(error)}") from error
+
+
+def _cause(error: Exception) -> str:
+    """Return what rcl says without the places in its source, which it appends."""
+    return str(error).partition(", at /")[0].strip()
 
 
 def _spin(node: CompensationNode, executor: SingleThreadedExecutor, stop: threading.Event) -> int:
