@@ -197,9 +197,24 @@ def test_an_error_in_activate_leads_back_to_unconfigured_from_where_it_starts_ag
         assert sum("on_activate failed: OSError: the wire is cut" in line for line in log) == 1
 
 
-def test_an_error_in_clean_up_and_in_its_repetition_ends_in_finalized(robot, node):
-    defect = FAILING_ONCE.replace("active", "unconfigured").replace("        CompensationNode._enter = enter\n", "")
-    with managed(node, defect=defect):
-        assert robot.change_state("configure")
-        assert not robot.change_state("cleanup")
+FAILING_CLOSE = """
+from hgma_compensation.node.endpoints import Endpoints
+def broken(self):
+    raise OSError("the wire is cut")
+Endpoints.close = broken
+"""
+
+
+def test_an_error_in_clean_up_and_in_its_repetition_ends_in_finalized_without_output(robot, node):
+    with node(defect=FAILING_CLOSE):
+        robot.connect()
+        robot.raw.publish(sample(0))
+        robot.wait(lambda: robot.compensated, "output before the error")
+        assert robot.change_state("deactivate")
+        assert robot.change_state("activate")
+        assert not robot.change_state("shutdown")
         assert robot.lifecycle() == "finalized"
+        robot.raw.publish(sample(1))
+        assert robot.diagnosis()[2]["lifecycle_state"] == "finalized"
+        robot.wait(lambda: robot.diagnosis()[2].get("node_not_active") == "1", "the sample that is skipped")
+        assert len(robot.compensated) == 1

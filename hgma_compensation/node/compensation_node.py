@@ -102,6 +102,7 @@ class CompensationNode(ManagedNode):
     @reported
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Return to unconfigured, from where the node can be configured again."""
+        self._enter("finalized")  # where rclpy leads if cleaning up fails too
         self.get_logger().error("closing all topics after the error; configure the node when its cause is removed")
         return self.on_cleanup(state)
 
