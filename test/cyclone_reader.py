@@ -1,13 +1,15 @@
 """A process of another DDS implementation: reads the node's outputs with Eclipse Cyclone DDS.
 
-It knows nothing of ROS. Arguments: DOMAIN and the number of samples of each topic to wait for. Prints "matched", then
-one JSON line with what was received. A test runs it as a process of its own: it must not share one with Fast DDS.
+It knows nothing of ROS. Arguments: DOMAIN, the number of samples of each topic to wait for, and the fields of
+CompensationState as JSON. Prints "matched", then one JSON line with what was received. A test runs it as a process of
+its own: it must not share one with Fast DDS.
 """
 
 import json
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from types import new_class
 
 from cyclonedds.core import Policy, Qos
 from cyclonedds.domain import DomainParticipant
@@ -58,30 +60,28 @@ class Imu(IdlStruct, typename="sensor_msgs::msg::dds_::Imu_"):
     linear_acceleration_covariance: array[float64, 9]
 
 
-@dataclass
-class CompensationState(IdlStruct, typename="hgma_msgs::msg::dds_::CompensationState_"):
-    header: Header
-    temperature: float64
-    temperature_rate: float64
-    temperature_product: float64
-    channels: sequence[str]
-    drift: sequence[float64]
-    innovation: sequence[float64]
-    inside_calibrated_range: bool
-    temperature_status: uint8
-    filter_mode: sequence[uint8]
-    calibration_id: str
+SCALARS = {"double": float64, "uint8": uint8, "boolean": bool, "string": str, "std_msgs/Header": Header}
 
 
-def stamp(header):
-    return header.stamp.sec * 10**9 + header.stamp.nanosec
+def struct(typename, fields):
+    """Return a class for a message; fields: types by name, as ROS writes them."""
+
+    def kind(name):
+        return sequence[SCALARS[name[9:-1]]] if name.startswith("sequence<") else SCALARS[name]
+
+    annotations = {name: kind(text) for name, text in fields.items()}
+    made = new_class(
+        "Made", (IdlStruct,), {"typename": typename}, lambda body: body.update(__annotations__=annotations)
+    )
+    return dataclass(made)
 
 
-def read(domain, count):
+def read(domain, count, fields):
     participant = DomainParticipant(domain)
     qos = Qos(Policy.Reliability.Reliable(duration(seconds=10)), Policy.History.KeepLast(10 * count))
+    state = struct("hgma_msgs::msg::dds_::CompensationState_", fields)
     imus = DataReader(participant, Topic(participant, "rt/accel/compensated", Imu), qos=qos)
-    states = DataReader(participant, Topic(participant, "rt/accel/state", CompensationState), qos=qos)
+    states = DataReader(participant, Topic(participant, "rt/accel/state", state), qos=qos)
     end = time.monotonic() + TIMEOUT
     while not (imus.get_matched_publications() and states.get_matched_publications()) and time.monotonic() < end:
         time.sleep(0.05)
@@ -95,26 +95,8 @@ def read(domain, count):
 
 
 def main():
-    imus, states = read(int(sys.argv[1]), int(sys.argv[2]))
-    print(
-        json.dumps(
-            {
-                "compensated": [
-                    [
-                        stamp(m.header),
-                        m.header.frame_id,
-                        [m.linear_acceleration.x, m.linear_acceleration.y, m.linear_acceleration.z],
-                        list(m.linear_acceleration_covariance),
-                    ]
-                    for m in imus
-                ],
-                "state": [
-                    [stamp(m.header), m.temperature, m.channels, m.drift, m.temperature_status, m.calibration_id]
-                    for m in states
-                ],
-            }
-        )
-    )
+    imus, states = read(int(sys.argv[1]), int(sys.argv[2]), json.loads(sys.argv[3]))
+    print(json.dumps({"compensated": [asdict(message) for message in imus], "state": [asdict(s) for s in states]}))
 
 
 if __name__ == "__main__":

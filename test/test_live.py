@@ -8,11 +8,20 @@ from hgma_compensation.effects.effect import Need
 from hgma_compensation.effects.registry import make
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.pipeline.live import SLOW_INPUTS, LiveCompensation, single_sample
-from hgma_compensation.pipeline.reasons import REMEDIES, Note, Skip, sample_name
+from hgma_compensation.pipeline.reasons import (
+    REMEDIES,
+    ROS_TIME_JUMPED_BACK,
+    Note,
+    Skip,
+    incompatible_name,
+    lost_name,
+    sample_name,
+)
 from hgma_compensation.pipeline.remembered import REMEMBERED, Remembered
 from hgma_compensation.recording.compensated_bag import compensate_recording
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.temperature.track import Sample
+from hgma_compensation.topics import INPUTS, OUTPUTS
 
 RECORDING = make_recording(duration_s=60.0, accel_rate=10.0, thermistor_rate=2.0, cycles=1.0)
 
@@ -94,7 +103,8 @@ def test_every_reason_tells_the_operator_what_to_do():
     bad = [sample for sample in Sample if sample is not Sample.USED]
     names = {reason.value for reason in (*Skip, *Note)}
     names |= {sample_name(need, sample) for need in SLOW_INPUTS for sample in bad}
-    assert names - {"supply_voltage_implausible"} == set(REMEDIES)
+    names |= {lost_name(topic) for topic in INPUTS} | {incompatible_name(topic) for topic in INPUTS + OUTPUTS}
+    assert (names | {ROS_TIME_JUMPED_BACK}) - {"supply_voltage_implausible"} == set(REMEDIES)
     assert not any("{" in remedy for remedy in REMEDIES.values())
 
 

@@ -108,16 +108,24 @@ def test_qos_that_does_not_fit_is_logged_with_its_policy_and_counted_by_topic(ro
         "qos_overrides./accel/raw.subscription.reliability:=reliable",
         "qos_overrides./accel/compensated.publisher.reliability:=best_effort",
     ):
-        robot.node.create_publisher(Imu, "accel/raw", qos(BEST_EFFORT))
+        unheard = [robot.node.create_publisher(Imu, "accel/raw", qos(BEST_EFFORT))]
         robot.wait(lambda: robot.diagnosis()[2].get("raw_qos_incompatible") == "1", "the driver that is not heard")
         values = robot.diagnosis()[2]
         assert values["compensated_qos_incompatible"] == "1"  # the robot's own reader, which asks for reliable
         assert "state_qos_incompatible" not in values
         # One more of the same kind is counted and not logged again.
-        robot.node.create_publisher(Imu, "accel/raw", qos(BEST_EFFORT))
+        unheard.append(robot.node.create_publisher(Imu, "accel/raw", qos(BEST_EFFORT)))
         robot.wait(lambda: robot.diagnosis()[2]["raw_qos_incompatible"] == "2", "the second driver")
         assert len([line for line in log if "set qos_overrides./accel/raw.subscription.reliability" in line]) == 1
         assert any("set qos_overrides./accel/compensated.publisher.reliability" in line for line in log)
+        robot.diagnosis()
+        message = robot.diagnosis()[1]  # no event has come since the one before, and it still says so
+        assert "raw_qos_incompatible: accel/raw" in message
+        assert "compensated_qos_incompatible: accel/compensated" in message
+        for publisher in unheard:
+            robot.node.destroy_publisher(publisher)
+        robot.wait(lambda: "raw_qos_incompatible" not in robot.diagnosis()[1], "an end of what is no longer so")
+        assert "compensated_qos_incompatible" in robot.diagnosis()[1]
 
 
 def test_every_sample_that_a_full_queue_drops_is_counted(robot, node):

@@ -142,7 +142,8 @@ class CompensationNode(ManagedNode):
 
     def _on_diagnostics(self) -> None:
         elapsed = self._ros_clock.elapsed()
-        status = self._report.status(self._live, self._state, self._calibration.refusal, elapsed)
+        standing = self._streams.endpoints.events.standing()
+        status = self._report.status(self._live, self._state, self._calibration.refusal, elapsed, standing)
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)

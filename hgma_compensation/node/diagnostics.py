@@ -1,5 +1,7 @@
 """The node's state in words, as diagnostic_msgs."""
 
+from collections.abc import Sequence
+
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 from hgma_compensation.pipeline.live import LiveCompensation
@@ -25,15 +27,21 @@ class DiagnosticReport:
         self._reported: dict[str, int] = {}
         self._received = 0
 
-    def status(self, live: LiveCompensation, state: str, refusal: str, elapsed: float) -> DiagnosticStatus:
+    def status(
+        self, live: LiveCompensation, state: str, refusal: str, elapsed: float, standing: Sequence[str] = ()
+    ) -> DiagnosticStatus:
         """Return the status of the last ``elapsed`` seconds.
 
-        state: of the lifecycle. refusal: why the last calibration was refused, "" if it was not.
+        state: of the lifecycle. refusal: why the last calibration was refused, "" if it was not. standing: names of
+        counts whose cause lasts, so that they are told whether they have grown or not.
         """
         fresh = {name: count - self._reported.get(name, 0) for name, count in live.counts.items()}
         rate = (live.received - self._received) / elapsed if elapsed > 0.0 else 0.0
         self._reported, self._received = dict(live.counts), live.received
-        error, problems = self._problems(live, state, refusal, {n: c for n, c in fresh.items() if c})
+        error, problems = self._problems(
+            live, state, refusal, {n: c for n, c in fresh.items() if c and n not in standing}
+        )
+        problems += [f"{name}: {REMEDIES[name]}" for name in standing]
         level = DiagnosticStatus.ERROR if error else DiagnosticStatus.WARN if problems else DiagnosticStatus.OK
         return DiagnosticStatus(
             level=level,

@@ -19,7 +19,7 @@ class Endpoints:
     def __init__(self, node: LifecycleNode, counts: Counter[str]) -> None:
         """Take the node that owns the topics; counts: for losses and QoS that does not fit."""
         self._node, self._counts = node, counts
-        self._events = QosEvents(node, counts)
+        self.events = QosEvents(node, counts)
         self._subscriptions: list[Subscription] = []
         self._publishers: list[LifecyclePublisher] = []
 
@@ -37,7 +37,7 @@ class Endpoints:
             topic,
             callback,
             copy(INPUT_QOS),  # rclpy writes the overrides of one topic into the profile it is given
-            event_callbacks=self._events.of_subscription(topic),
+            event_callbacks=self.events.of_subscription(topic),
             qos_overriding_options=overridable(),
         )
         self._subscriptions.append(counted.subscription)
@@ -49,7 +49,7 @@ class Endpoints:
             message_type,
             topic,
             copy(OUTPUT_QOS),
-            event_callbacks=self._events.of_publisher(topic),
+            event_callbacks=self.events.of_publisher(topic),
             qos_overriding_options=overridable(),
         )
         self._publishers.append(publisher)

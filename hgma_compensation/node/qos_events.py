@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
-from rclpy.qos import qos_policy_name_from_kind
+from rclpy.qos import QoSCompatibility, qos_check_compatible, qos_policy_name_from_kind
 
 from hgma_compensation.node.parameters import QOS_PREFIX
 from hgma_compensation.pipeline.reasons import incompatible_name
@@ -33,6 +33,26 @@ class QosEvents:
     def of_publisher(self, topic: str) -> PublisherEventCallbacks:
         """Return the callbacks for an output."""
         return PublisherEventCallbacks(incompatible_qos=lambda event: self._on_subscriber(topic, event))
+
+    def standing(self) -> list[str]:
+        """Return the names of the counts of topics that have another side now whose QoS does not fit.
+
+        The middleware says when such a side comes and not when it goes, so the graph is asked; of topics only where
+        one has come.
+        """
+        topics = sorted({topic for topic, _ in self._said})
+        return [incompatible_name(topic) for topic in topics if self._unfit(topic)]
+
+    def _unfit(self, topic: str) -> bool:
+        publishers = self._node.get_publishers_info_by_topic(topic)
+        subscribers = self._node.get_subscriptions_info_by_topic(topic)
+        name, namespace = self._node.get_name(), self._node.get_namespace()
+        return any(
+            qos_check_compatible(publisher.qos_profile, subscriber.qos_profile)[0] == QoSCompatibility.ERROR
+            for publisher in publishers
+            for subscriber in subscribers
+            if any((side.node_name, side.node_namespace) == (name, namespace) for side in (publisher, subscriber))
+        )
 
     def _on_publisher(self, topic: str, event: IncompatibleQos) -> None:
         self._say(topic, event, "subscription", "a publisher of {} offers less than this node asks: it is not heard")

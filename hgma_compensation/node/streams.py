@@ -35,12 +35,12 @@ class Streams:
         """Take the node that owns the topics, which are not open yet."""
         self._live = live
         self.publishing = False
-        self._endpoints = Endpoints(node, live.counts)
+        self.endpoints = Endpoints(node, live.counts)
         self._slow: list[tuple[CountedInput, Callable[[Any], None]]] = []
 
     def open(self) -> None:
         """Create subscriptions and publishers."""
-        subscribe, publish = self._endpoints.subscribe, self._endpoints.publish
+        subscribe, publish = self.endpoints.subscribe, self.endpoints.publish
         # The slow inputs first: where both wait, the executor then serves them before the accelerometer.
         self._slow = [
             (subscribe(message_type, topic, take), take)
@@ -58,7 +58,7 @@ class Streams:
 
     def close(self) -> None:
         """Destroy what ``open`` created; nothing where it is closed."""
-        self._endpoints.close()
+        self.endpoints.close()
         self._slow = []
 
     def _take_temperature(self, message: Temperature) -> None:
