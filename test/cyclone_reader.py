@@ -69,11 +69,8 @@ def struct(typename, fields):
     def kind(name):
         return sequence[SCALARS[name[9:-1]]] if name.startswith("sequence<") else SCALARS[name]
 
-    annotations = {name: kind(text) for name, text in fields.items()}
-    made = new_class(
-        "Made", (IdlStruct,), {"typename": typename}, lambda body: body.update(__annotations__=annotations)
-    )
-    return dataclass(made)
+    body = {"__annotations__": {name: kind(text) for name, text in fields.items()}}
+    return dataclass(new_class("Made", (IdlStruct,), {"typename": typename}, lambda made: made.update(body)))
 
 
 def read(domain, count, fields):

@@ -35,12 +35,11 @@ class DiagnosticReport:
         state: of the lifecycle. refusal: why the last calibration was refused, "" if it was not. standing: names of
         counts whose cause lasts, so that they are told whether they have grown or not.
         """
-        fresh = {name: count - self._reported.get(name, 0) for name, count in live.counts.items()}
+        grown = {name: count - self._reported.get(name, 0) for name, count in live.counts.items()}
+        fresh = {name: count for name, count in grown.items() if count and name not in standing}
         rate = (live.received - self._received) / elapsed if elapsed > 0.0 else 0.0
         self._reported, self._received = dict(live.counts), live.received
-        error, problems = self._problems(
-            live, state, refusal, {n: c for n, c in fresh.items() if c and n not in standing}
-        )
+        error, problems = self._problems(live, state, refusal, fresh)
         problems += [f"{name}: {REMEDIES[name]}" for name in standing]
         level = DiagnosticStatus.ERROR if error else DiagnosticStatus.WARN if problems else DiagnosticStatus.OK
         return DiagnosticStatus(
