@@ -1,5 +1,8 @@
 """The one exception that a user's mistake raises."""
 
+LONGEST = 1500
+"""Characters of a message; what is quoted in it comes from outside and may be of any size."""
+
 
 class RefusedError(Exception):
     """Input that is refused.
@@ -9,5 +12,8 @@ class RefusedError(Exception):
     """
 
     def __str__(self) -> str:
-        """Return the message folded into one line."""
-        return " ".join(super().__str__().split())
+        """Return the message folded into one line, with nothing in it that a terminal would obey."""
+        words = " ".join(super().__str__().split())
+        line = "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in words)
+        half = LONGEST // 2
+        return line if len(line) <= LONGEST else f"{line[:half]} ... {line[-half:]}"

@@ -58,6 +58,29 @@ def patch_imu(message: Any, channels: Sequence[str], values: Sequence[float]) ->
         setattr(getattr(message, group), axis, value)
 
 
+def patch_covariances(message: Any, channels: Sequence[str], variances: NDArray[np.float64] | None) -> bool:
+    """Add variances (c,) of the channels to their fields' covariances, None for nothing; return if all were valid.
+
+    One that is not finite, or has a negative variance, becomes the unknown one, all 0 (REP-145), before.
+    """
+    all_valid = True
+    for group in GROUPS:
+        columns = {AXES.index(c.split(".")[1]): n for n, c in enumerate(channels) if c.startswith(group)}
+        if not columns:
+            continue
+        covariance = getattr(message, f"{group}_covariance")
+        valid = bool(np.isfinite(covariance).all()) and min(covariance[::4]) >= 0.0
+        all_valid = all_valid and valid
+        if valid and variances is None:
+            continue
+        patched = np.array(covariance, dtype=np.float64) if valid else np.zeros(9)
+        if variances is not None:
+            for axis, column in columns.items():
+                patched[4 * axis] += variances[column]
+        setattr(message, f"{group}_covariance", patched)
+    return all_valid
+
+
 def patch_block(message: Any, channels: Sequence[str], values: NDArray[np.float64]) -> None:
     """Overwrite the axes of an AccelBlock that the channels cover, values (n, c)."""
     for column, channel in enumerate(channels):

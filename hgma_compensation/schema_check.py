@@ -7,8 +7,6 @@ dependencies. The tests compare its verdicts with the jsonschema package.
 
 import json
 import re
-import sys
-from collections.abc import Iterable
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -172,20 +170,3 @@ def _show(value: object) -> str:
         repr(value) if not isinstance(value, (dict, list)) else f"an {'object' if isinstance(value, dict) else 'array'}"
     )
     return text if len(text) <= 60 else text[:57] + "..."
-
-
-def find_non_finite(document: object) -> str | None:
-    """Return the path of the first number that no float64 can hold, None where there is none."""
-    stack: list[tuple[str, object]] = [("", document)]
-    while stack:
-        path, value = stack.pop()
-        # An integer beyond the floats would overflow later; the negated comparison catches NaN too.
-        if isinstance(value, (int, float)) and not abs(value) <= sys.float_info.max:
-            return path
-        children: Iterable[tuple[str, object]] = ()
-        if isinstance(value, dict):
-            children = [(_join(path, str(name)), child) for name, child in value.items()]
-        elif isinstance(value, list):
-            children = [(f"{path}[{index}]", child) for index, child in enumerate(value)]
-        stack.extend(reversed(list(children)))
-    return None

@@ -8,7 +8,9 @@ from effect_calibrations import OFFERED, applied, with_all_inputs
 
 from hgma_compensation import topics
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.messages import stamp_of
+from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.bag_reader import open_bag, read_messages, read_recording
 from hgma_compensation.recording.bag_writer import Storage, new_bag, write_recording
@@ -81,18 +83,23 @@ def test_a_remapping_without_a_topic_of_the_node_is_refused(rule):
         topics.TopicNames([rule])
 
 
-def test_blocks_are_read_as_samples_and_compensated_as_blocks(tmp_path):
-    count, interval = 50, 0.1
-    with new_bag(tmp_path / "bag") as bag:
+def write_blocks(path, values, count=50, interval=0.1):
+    """Write the made recording with other values (n, 6) in blocks of so many samples."""
+    temperatures = _temperatures(path.parent)
+    with new_bag(path) as bag:
         block = bag.topic("/accel/raw_block", types.ACCEL_BLOCK)
         temperature = bag.topic("/accel/temperature", types.TEMPERATURE)
         for start in range(0, len(RECORDING.stamps), count):
             stamp = int(RECORDING.stamps[start])
-            axes = RECORDING.values[start : start + count, :3].astype(np.float32).T
+            axes = values[start : start + count, :3].astype(np.float32).T
             message = bag.typestore.types[types.ACCEL_BLOCK](bag.header(stamp, "imu_link"), interval, *axes.copy())
             bag.write(block, stamp, message)
-        for message in _temperatures(tmp_path):
+        for message in temperatures:
             bag.write(temperature, stamp_of(message), message)
+
+
+def test_blocks_are_read_as_samples_and_compensated_as_blocks(tmp_path):
+    write_blocks(tmp_path / "bag", RECORDING.values)
     recording = read_recording(tmp_path / "bag")
     np.testing.assert_array_equal(recording.stamps, RECORDING.stamps)
     np.testing.assert_array_equal(recording.values[:, :3], RECORDING.values[:, :3].astype(np.float32))
@@ -102,7 +109,27 @@ def test_blocks_are_read_as_samples_and_compensated_as_blocks(tmp_path):
     blocks = messages(tmp_path / "out", "/accel/compensated_block")
     z = np.concatenate([message.z for message in blocks])
     np.testing.assert_array_equal(z, result.values[:, 2].astype(np.float32))
-    assert [len(message.x) for message in blocks] == [count] * 4
+    assert [len(message.x) for message in blocks] == [50] * 4
+
+
+def test_a_sample_that_is_not_finite_costs_its_block_and_enters_no_filter_as_in_the_node(tmp_path):
+    values = RECORDING.values.copy()
+    values[70, 2] = np.nan
+    write_blocks(tmp_path / "bag", values)
+    recording, calibration = read_recording(tmp_path / "bag"), make_calibration(mode=FilterMode.SMOOTH)
+    result = write_compensated(tmp_path / "bag", recording, calibration, tmp_path / "out", names=topics.TopicNames())
+    live = LiveCompensation()
+    live.install(calibration)
+    for stamp, celsius in zip(recording.temperature.stamps.tolist(), recording.temperature.values, strict=True):
+        live.add_temperature(stamp, float(celsius))
+    edges = np.arange(50, 200, 50)
+    blocks = zip(np.split(recording.stamps, edges), np.split(recording.values, edges), strict=True)
+    parts = [live.compensate(*block) for block in blocks]
+    assert [part is None for part in parts] == [False, True, False, False]
+    expected = np.concatenate([part.compensated.values for part in parts if part is not None])
+    assert result.values.tobytes() == expected.tobytes()
+    written = messages(tmp_path / "out", "/accel/compensated_block")
+    np.testing.assert_array_equal(np.concatenate([m.z for m in written]), expected[:, 2].astype(np.float32))
 
 
 def _temperatures(tmp_path):
@@ -122,8 +149,13 @@ def test_a_compensated_bag_holds_the_inputs_and_outputs_with_other_fields_untouc
     assert [m.linear_acceleration.z for m in compensated] == expected.values[:, 0].tolist()
     assert [m.drift.tolist() for m in state] == expected.drift.tolist()
     assert {m.calibration_id for m in state} == {calibration.calibration_id}
+    assert not any(m.linear_acceleration_covariance[:8].any() for m in compensated)
+    grown = [m.linear_acceleration_covariance[8] for m in compensated]
+    assert grown == np.where(expected.status > 0, expected.uncertainty[:, 0] ** 2, 0.0).tolist()
+    assert [m.uncertainty.tolist() for m in state] == expected.uncertainty.tolist()
     for before, after in zip(raw, compensated, strict=True):
         after.linear_acceleration.z = before.linear_acceleration.z
+        after.linear_acceleration_covariance = before.linear_acceleration_covariance
         assert bag_bytes(before) == bag_bytes(after)
     assert len(messages(tmp_path / "out", "/accel/temperature")) == len(RECORDING.temperature.stamps)
 

@@ -49,6 +49,14 @@ EFFECT = {
     "gains": [0.1],
 }
 
+QUADRATIC = {
+    "effect": "quadratic_nonlinearity",
+    "channel": "linear_acceleration.z",
+    "parameters": {"channel": "linear_acceleration.z"},
+    "gains": [1e9],
+}
+GRADIENT = {"effect": "thermal_gradient", "channel": "linear_acceleration.z", "parameters": {}, "gains": [0.1, 0.1]}
+
 
 def with_effect(**changes):
     """Put one effect into a document, with other fields or, by their names, other parameters."""
@@ -77,10 +85,11 @@ CHANGES = [
     (set_at("channels", 2, "drift", "weights", value=[1.0]), r"channels\[2\].drift .*weights has 1 rows"),
     (
         set_at("channels", 0, "drift", "widths", 1, value=[1.0, 0.0, 1.0]),
-        r"widths\[1\]\[1\] is 0.0, must be above 0",
+        r"widths\[1\]\[1\] is 0.0, must be at least 1e-30",
     ),
     (set_at("channels", 0, "drift", "linear", value=[1.0]), "drift.linear has 1 elements, must have 3"),
-    (set_at("channels", 0, "drift", "weights", value=[1e308] * 5), r"channels\[0\].drift overflows inside"),
+    (set_at("channels", 0, "drift", "weights", value=[1e308] * 5), r"weights\[0\] is 1e\+308, must be at most 1"),
+    (set_at("channels", 0, "drift", "weights", value=[9e11] * 5), r"channels\[0\].drift overflows inside"),
     (set_at("channels", 1, "name", value="linear_acceleration.x"), "channels names the same channel twice: keep one"),
     (set_at("channels", 1, "unit", value="rad/s"), r"channels\[1\].unit is 'rad/s', must be 'm/s\^2'"),
     (set_at("channels", value=[]), "channels has 0 elements, must have 1 to 6"),
@@ -99,7 +108,12 @@ CHANGES = [
     (with_effect(time_constant=[1.0]), r"effects\[0\]\.parameters\.time_constant is an array, must be a number or a"),
     (with_effect(delay=1.0), r"effects\[0\]\.parameters has the unknown field 'delay'"),
     (with_effect(gains=[1.0, 2.0]), r"effects\[0\]\.gains has 2 elements, must have 1 with these parameters"),
-    (with_effect(gains=[1e308]), r"effects\[0\] overflows inside the calibrated range"),
+    (with_effect(gains=[1e308]), r"effects\[0\].gains\[0\] is 1e\+308, must be at most 1"),
+    (lambda d: d.update(effects=[QUADRATIC] * 5), r"effects\[2\] overflows inside the calibrated range"),
+    (
+        lambda d: d.update(effects=[{**QUADRATIC, "gains": [6e-11]}] * 9 + [{**GRADIENT, "gains": [2e11, 0.0]}]),
+        r"effects\[[0-8]\] overflows inside the calibrated range",
+    ),
     (
         with_effect(effect="quadratic_nonlinearity", parameters={"channel": "linear_acceleration.x"}),
         r"effects\[0\]\.parameters\.channel is 'linear_acceleration.x', must be 'linear_acceleration.z'",

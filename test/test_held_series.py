@@ -6,13 +6,14 @@ from builders import EPOCH
 
 from hgma_compensation.pipeline.held_series import HeldSeries
 from hgma_compensation.stamps import NANOSECONDS
-from hgma_compensation.temperature.track import TIME_JUMP, Sample
+from hgma_compensation.temperature.track import Sample
+from hgma_compensation.time_jumps import TIME_JUMP
 
 SECOND, LATENCY = NANOSECONDS, NANOSECONDS // 4
 
 
 def filled(count=3):
-    series = HeldSeries(0.25)
+    series = HeldSeries(0.25, (0.0, 100.0))
     for number in range(count):
         assert series.add(EPOCH + number * SECOND, 5.0 + number) is Sample.USED
     return series
@@ -31,7 +32,7 @@ def test_after_a_pause_too_a_sample_counts_from_the_latency_on():
 
 
 def test_nothing_is_known_before_the_first_sample():
-    series = HeldSeries(0.25)
+    series = HeldSeries(0.25, (0.0, 100.0))
     assert len(series) == 0
     assert np.isnan(series.read(np.array([EPOCH]))).all()
 
@@ -41,6 +42,8 @@ def test_nothing_is_known_before_the_first_sample():
     [
         (EPOCH + 9 * SECOND, np.nan, Sample.NOT_FINITE),
         (EPOCH + 9 * SECOND, -np.inf, Sample.NOT_FINITE),
+        (EPOCH + 9 * SECOND, 100.1, Sample.IMPLAUSIBLE),
+        (0, 4.0, Sample.NOT_STAMPED),
         (EPOCH + 2 * SECOND, 4.0, Sample.REPEATED),
         (EPOCH + 2 * SECOND - 1, 4.0, Sample.OUT_OF_ORDER),
         (EPOCH + 2 * SECOND - TIME_JUMP, 4.0, Sample.OUT_OF_ORDER),
@@ -61,7 +64,7 @@ def test_a_jump_back_begins_anew():
 
 
 def test_a_snapshot_goes_on():
-    series, restored = filled(), HeldSeries(0.25)
+    series, restored = filled(), HeldSeries(0.25, (0.0, 100.0))
     restored.restore(json.loads(json.dumps(series.snapshot(1.0), allow_nan=False)))
     at = EPOCH + np.arange(1, 9) * SECOND + LATENCY
     for one in (series, restored):

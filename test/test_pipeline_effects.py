@@ -15,6 +15,7 @@ from hgma_compensation.effects.registry import make
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.pipeline.pipeline import Compensated, Pipeline
+from hgma_compensation.pipeline.stretches import Cut
 from hgma_compensation.recording.compensated_bag import check_covered, compensate_recording, feed
 from hgma_compensation.recording.recording import Recording, Series
 from hgma_compensation.stamps import to_nanoseconds
@@ -102,7 +103,7 @@ def test_a_looping_bag_gives_the_same_output_each_time(calibration):
     for _ in range(3):
         feed(pipeline, RECORDING)
         rounds.append(compensate(pipeline, slice(None)))
-    assert pipeline.jumps_back == 2
+    assert pipeline.cuts == {Cut.ANEW: 2}
     assert_same_bits(rounds[1], rounds[0])
     assert_same_bits(rounds[2], rounds[0])
     pipeline.reset()

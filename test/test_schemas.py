@@ -7,7 +7,7 @@ from jsonschema import Draft202012Validator
 from hgma_compensation.calibration.encoding import encode
 from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.schema_check import check, find_non_finite, load_schema
+from hgma_compensation.schema_check import check, load_schema
 from hgma_compensation.temperature.features import Product
 
 EFFECTS = [AppliedEffect(LINEAR[2], effect, np.ones(effect.count)) for effect in OFFERED[LINEAR[2]]]
@@ -50,16 +50,3 @@ def test_published_schemas_use_only_what_is_interpreted(schema):
     interpreted |= {"items", "minLength", "maxLength", "pattern", "minimum", "maximum", "exclusiveMinimum"}
     interpreted |= {"patternProperties", "maxProperties"}
     assert set(keywords(schema)) - {"$schema", "title", "description"} <= interpreted
-
-
-@pytest.mark.parametrize(
-    ("document", "path"),
-    [
-        ({"a": [1.0, {"b": float("inf")}]}, "a[1].b"),
-        ([float("nan")], "[0]"),
-        ({"a": float("-inf"), "b": float("nan")}, "a"),
-        ({"a": [1e308, -1, True, None, "NaN"]}, None),
-    ],
-)
-def test_first_number_that_is_not_finite_is_found(document, path):
-    assert find_non_finite(document) == path

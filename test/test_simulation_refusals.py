@@ -77,9 +77,9 @@ def test_a_file_that_is_no_scenario_is_refused_and_never_executed(tmp_path, text
         (None, "cannot be read"),
         ("time,a\n0,1\n1,2\n", "has no column 't'"),
         ("t,a\n0,1\n0,2\n", "times that increase"),
-        ("t,a\n0,1\n1,x\n", "no number"),
-        ("t,a\n0,1\n1,nan\n", "not finite"),
-        ("", "has no column"),
+        ("t,a\n0,1\n1,x\n", "line 3: column 'a' holds no finite number: remove the row$"),
+        ("t,a\n0,1\n1,nan\n", "no finite number"),
+        ("", "is empty"),
     ],
 )
 def test_a_wrong_waveform_is_refused_with_its_file(tmp_path, table, message):

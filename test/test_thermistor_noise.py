@@ -92,7 +92,7 @@ def test_short_and_constant_series_give_noise_within_the_bounds(count, values):
     st.lists(
         st.tuples(
             st.sampled_from([-2.0, -0.5, 0.0, 0.5, 1.0]),
-            st.sampled_from([20.0, 250.0, 250.1, -100.0, -100.1, np.nan, np.inf, -np.inf]),
+            st.sampled_from([20.0, 21.0, 250.1, -100.1, np.nan, np.inf, -np.inf]),
         ),
         max_size=30,
     )

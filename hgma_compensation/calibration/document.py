@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import stat
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.encoding import FORMAT, VERSION, Document, decode, encode
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
+from hgma_compensation.plain_values import check_plain
 
 LARGEST_FILE = 4 << 20
 """Bytes. The largest network that the schema allows is a tenth of it."""
@@ -71,10 +73,7 @@ def parse_calibration(content: bytes) -> Calibration:
 
 
 def _check_id(document: Document) -> None:
-    try:
-        actual = content_id(document)
-    except RecursionError:
-        raise RefusedError("training is nested too deeply: the file is damaged") from None
+    actual = content_id(document)
     if document["calibration_id"] != actual:
         raise RefusedError(
             f"calibration_id is {document['calibration_id']}, the content has {actual}: "
@@ -115,9 +114,10 @@ def _parse_json(content: bytes) -> Any:
         ) from None
     except (RecursionError, ValueError):
         raise RefusedError("is not a calibration: it is nested too deeply or holds an absurd number") from None
-    path = schema_check.find_non_finite(document)
-    if path is not None:
-        raise RefusedError(f"{path} is not finite: the file is damaged, take it from its source again or train again")
+    try:
+        check_plain(document)
+    except RefusedError as refusal:
+        raise RefusedError(f"{refusal}: the file is damaged, take it from its source again or train again") from None
     return document
 
 
@@ -130,7 +130,6 @@ def _refuse_constant(name: str) -> Any:
 def _unique(pairs: list[tuple[str, Any]]) -> Document:
     document = dict(pairs)
     if len(document) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise RefusedError(f"{twice} is given twice: the file was edited, take it from its source again")
+        ((twice, _),) = Counter(name for name, _ in pairs).most_common(1)
+        raise RefusedError(f"{twice[:60]} is given twice: the file was edited, take it from its source again")
     return document

@@ -4,6 +4,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from hgma_compensation.calibration.bounds import LARGEST_DRIFT, largest_drift
 from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration, ChannelError
 from hgma_compensation.calibration.effect_encoding import check_effects, decode_effect, encode_effect
 from hgma_compensation.channels import unit_of
@@ -57,7 +58,7 @@ def decode(document: Document) -> Calibration:
     )
     if len(set(calibration.names)) < len(calibration.names):
         raise RefusedError("channels names the same channel twice: keep one of them")
-    _check_corners(calibration)
+    _check_drifts(calibration)
     check_effects(calibration)
     return calibration
 
@@ -199,14 +200,12 @@ def _array(numbers: list[Any]) -> Array:
     return np.array(numbers, dtype=np.float64)
 
 
-def _check_corners(calibration: Calibration) -> None:
-    """Evaluate every drift at the corners and the middle of the range: finite there, or refused."""
-    box = calibration.calibrated_range
-    corners = box.corners()
+def _check_drifts(calibration: Calibration) -> None:
+    """Raise RefusedError where a drift model, anywhere in the range, could exceed what arithmetic carries."""
     for index, channel in enumerate(calibration.channels):
         with np.errstate(all="ignore"):
-            drift = channel.drift.evaluate(corners)
-        if not np.all(np.isfinite(drift)):
+            largest = largest_drift(channel.drift, calibration.calibrated_range)
+        if not largest <= LARGEST_DRIFT:
             raise RefusedError(
                 f"channels[{index}].drift overflows inside the calibrated range: its numbers are damaged"
             )

@@ -56,13 +56,13 @@ class RandomWalkFilter:
         """Return R of a sample that averages over dt (s)."""
         return self._white / dt
 
-    def predict(self, dt: float) -> float:
+    def predict(self, dt: float, averaged: float | None = None) -> float:
         """Let dt (s, > 0) pass and return the variance of the innovation to come: Eqs. (7), (8).
 
         The level is predicted unchanged. A first sample of unknown interval is given the noise of the
-        second.
+        second. averaged: s that the sample averages over, where that is not dt.
         """
-        sample_variance = self._white / dt
+        sample_variance = self._white / (dt if averaged is None else averaged)
         self.variance = (sample_variance if self.variance is None else self.variance) + self._walk * dt
         return self.variance + sample_variance
 

@@ -1,6 +1,7 @@
 """The Kalman stage of one channel: random-walk filter, gate, and the two ways of using them."""
 
 from collections import deque
+from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
@@ -18,6 +19,21 @@ from hgma_compensation.kalman.impulse import ImpulseDebt
 from hgma_compensation.kalman.random_walk import RandomWalkFilter
 from hgma_compensation.kalman.settings import FilterMode, FilterSettings
 from hgma_compensation.stamps import Stamps, seconds_between
+
+PAUSE = 10.0
+"""Times the interval before: a longer one is a pause, in which the level went on and no sample was taken."""
+
+
+@dataclass
+class Consistency:
+    """Sum of the normalised innovations squared of the samples while the gate was closed, and how many were in both.
+
+    The mean (NIS; Bar-Shalom et al. 2001, section 5.4) is 1 where the noise is what the calibration says.
+    """
+
+    squares: float = 0.0
+    closed: int = 0
+    open: int = 0
 
 
 class KalmanStage:
@@ -39,6 +55,7 @@ class KalmanStage:
         self._quiet = QuietDetector(settings.threshold, settings.wander)
         self._debt = ImpulseDebt()
         self.openings = 0
+        self._consistency = Consistency()
         self.reset()
 
     def reset(self) -> None:
@@ -50,6 +67,16 @@ class KalmanStage:
         self._history: deque[tuple[float, float | None]] = deque(maxlen=WINDOW)
         self.open = False
         self._newest = 0
+        self._interval = 0.0
+
+    def set_back(self, stamp: int) -> None:
+        """Go on at a clock that was set back, the next sample's being ``stamp`` (ns): that one has no interval."""
+        self._newest = stamp
+
+    def take_consistency(self) -> Consistency:
+        """Return what the innovations were like since the last call."""
+        taken, self._consistency = self._consistency, Consistency()
+        return taken
 
     def run(self, stamps: Stamps, measured: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return outputs and innovations, each (n,), of finite measurements (n,) at stamps (ns).
@@ -82,20 +109,32 @@ class KalmanStage:
         if dt <= 0.0:
             return self._output(z), innovation
         before = (level.estimate, level.variance)
-        innovation_variance = level.predict(dt)
+        innovation_variance = level.predict(dt, self._averaged(dt))
         normalised = innovation / sqrt(innovation_variance)
         if self.open:
+            self._consistency.open += 1
             output = self._output(z)
-            self._wait_for_quiet(z, dt)
+            self._wait_for_quiet(z, self._interval)
         elif self._gate.exceeded(innovation, innovation_variance):
             self._open(before)
             output = self._output(z)
         else:
             self._history.append(before)
+            self._consistency.squares += normalised * normalised
+            self._consistency.closed += 1
             level.correct(innovation, innovation_variance)
             output = self._output(z)
             self._debt.withhold((z - output) * dt)
         return output + self._debt.pay(dt, normalised), innovation
+
+    def _averaged(self, dt: float) -> float:
+        """Return the time (s) that a sample averages over which comes dt after the one before: no pause belongs to it.
+
+        Moves on to another sampling rate within a few samples.
+        """
+        longest = PAUSE * self._interval
+        self._interval = dt if longest == 0.0 or dt <= longest else longest
+        return self._interval
 
     def _output(self, z: float) -> float:
         if self._bias:

@@ -37,7 +37,8 @@ class CompensationNode(ManagedNode):
         self._calibration = CalibrationParameter(self, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
         self.create_service(Trigger, "~/reset", self._on_reset)
-        self._report = DiagnosticReport(f"{self.get_fully_qualified_name().lstrip('/')}: compensation")
+        name = f"{self.get_fully_qualified_name().lstrip('/')}: compensation"
+        self._report = DiagnosticReport(name, [self._streams.endpoints.events])
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._ros_clock = RosClock(self, self._live.counts)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics)
@@ -142,8 +143,7 @@ class CompensationNode(ManagedNode):
 
     def _on_diagnostics(self) -> None:
         elapsed = self._ros_clock.elapsed()
-        standing = self._streams.endpoints.events.standing()
-        status = self._report.status(self._live, self._state, self._calibration.refusal, elapsed, standing)
+        status = self._report.status(self._live, self._state, self._calibration.refusal, elapsed)
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)

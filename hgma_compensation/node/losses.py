@@ -7,7 +7,7 @@ from typing import Any, TypedDict
 from rclpy.subscription import Subscription
 
 from hgma_compensation.node.interfaces import take_waiting
-from hgma_compensation.pipeline.reasons import lost_name
+from hgma_compensation.pipeline.transport import lost_name
 
 
 class MessageInfo(TypedDict):

@@ -8,7 +8,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSCompatibility, qos_check_compatible, qos_policy_name_from_kind
 
 from hgma_compensation.node.parameters import QOS_PREFIX
-from hgma_compensation.pipeline.reasons import incompatible_name
+from hgma_compensation.pipeline.transport import TRANSPORT_REMEDIES, incompatible_name
 
 
 class IncompatibleQos(Protocol):
@@ -34,14 +34,19 @@ class QosEvents:
         """Return the callbacks for an output."""
         return PublisherEventCallbacks(incompatible_qos=lambda event: self._on_subscriber(topic, event))
 
-    def standing(self) -> list[str]:
-        """Return the names of the counts of topics that have another side now whose QoS does not fit.
+    def problems(self) -> list[str]:
+        """Return a sentence for each topic that has another side now whose QoS does not fit.
 
         The middleware says when such a side comes and not when it goes, so the graph is asked; of topics only where
         one has come.
         """
         topics = sorted({topic for topic, _ in self._said})
-        return [incompatible_name(topic) for topic in topics if self._unfit(topic)]
+        names = [incompatible_name(topic) for topic in topics if self._unfit(topic)]
+        return [f"{name}: {TRANSPORT_REMEDIES[name]}" for name in names]
+
+    def values(self) -> list[tuple[str, str]]:
+        """Return no figures: the counts are among those of the samples."""
+        return []
 
     def _unfit(self, topic: str) -> bool:
         publishers = self._node.get_publishers_info_by_topic(topic)

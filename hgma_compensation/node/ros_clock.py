@@ -10,7 +10,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from hgma_compensation.node.parameters import USE_SIM_TIME
-from hgma_compensation.pipeline.reasons import ROS_TIME_JUMPED_BACK
+from hgma_compensation.pipeline.transport import ROS_TIME_JUMPED_BACK
 
 SILENCE = 5.0
 """s of wall time after which a clock that does not move is worth a word."""

@@ -10,9 +10,11 @@ from std_msgs.msg import Header
 from hgma_compensation import topics
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.messages import (
+    absent_groups,
     block_samples,
     imu_values,
     patch_block,
+    patch_covariances,
     patch_imu,
     stamp_of,
     widen_block,
@@ -20,7 +22,7 @@ from hgma_compensation.messages import (
 from hgma_compensation.node.endpoints import Endpoints
 from hgma_compensation.node.losses import CountedInput
 from hgma_compensation.pipeline.live import LiveCompensation, LiveResult, single_sample
-from hgma_compensation.pipeline.reasons import Skip
+from hgma_compensation.pipeline.reasons import Note, Skip
 from hgma_compensation.pipeline.state_fields import state_fields
 from hgma_msgs.msg import AccelBlock, CompensationState, SupplyVoltage
 
@@ -28,13 +30,15 @@ from hgma_msgs.msg import AccelBlock, CompensationState, SupplyVoltage
 class Streams:
     """Subscriptions and publishers between ``open`` and ``close``; what comes is given to a LiveCompensation.
 
-    publishing: whether samples get an output; the slow inputs are followed in any case.
+    publishing: whether samples get an output; the slow inputs are followed in any case. frame_id: the one that messages
+    of the accelerometer must have, "" for any.
     """
 
     def __init__(self, node: LifecycleNode, live: LiveCompensation) -> None:
         """Take the node that owns the topics, which are not open yet."""
         self._live = live
-        self.publishing = False
+        self.publishing, self.frame_id = False, ""
+        self._frame: str | None = None
         self.endpoints = Endpoints(node, live.counts)
         self._slow: list[tuple[CountedInput, Callable[[Any], None]]] = []
 
@@ -87,18 +91,36 @@ class Streams:
             self._compensate(taken)
 
     def _compensate(self, message: Imu) -> None:
-        if not self.publishing:
-            return self._live.skip_unseen(Skip.NOT_ACTIVE, 1)
+        reason = self._reason_to_skip(message.header)
+        if reason is None and self._live.covers(absent_groups(message)):
+            reason = Skip.ABSENT
+        if reason is not None:
+            return self._live.skip_unseen(reason, 1)
         result = self._live.compensate(*single_sample(stamp_of(message), imu_values(message)))
         if result is not None:
-            patch_imu(message, result.calibration.names, result.compensated.values[0].tolist())
+            names = result.calibration.names
+            patch_imu(message, names, result.compensated.values[0].tolist())
+            if not patch_covariances(message, names, result.compensated.added_variance(0)):
+                self._live.note(Note.COVARIANCE_INVALID)
             self._compensated.publish(message)
             self._publish_state(message.header, result)
 
+    def _reason_to_skip(self, header: Header) -> Skip | None:
+        """Return why a message is not even looked at, None where it is."""
+        if not self.publishing:
+            return Skip.NOT_ACTIVE
+        if header.frame_id != self._frame:
+            if self.frame_id not in ("", header.frame_id):
+                return Skip.OTHER_FRAME
+            self._frame = header.frame_id
+            self._live.begin_frame(header.frame_id)
+        return None
+
     def _on_raw_block(self, message: AccelBlock) -> None:
         self._drain_slow()
-        if not self.publishing:
-            return self._live.skip_unseen(Skip.NOT_ACTIVE, len(message.x))
+        reason = self._reason_to_skip(message.header)
+        if reason is not None:
+            return self._live.skip_unseen(reason, len(message.x))
         try:
             stamps, values = block_samples(message, topics.RAW_BLOCK)
         except RefusedError:

@@ -13,7 +13,8 @@ class Compensated:
 
     values: compensated, (n, c). drift: what was subtracted, (n, c). innovation: of the Kalman stage,
     (n, c), 0 where it is off. features: (n, 3) before clamping; the middle of the calibrated range where
-    the temperature is missing. inside_range: (n,). status: (n,) TemperatureStatus.
+    the temperature is missing. inside_range: (n,). status: (n,) TemperatureStatus. uncertainty: standard deviation
+    of the drift, (n, c).
     """
 
     values: NDArray[np.float64]
@@ -22,6 +23,11 @@ class Compensated:
     features: NDArray[np.float64]
     inside_range: NDArray[np.bool_]
     status: NDArray[np.uint8]
+    uncertainty: NDArray[np.float64]
+
+    def added_variance(self, row: int) -> NDArray[np.float64] | None:
+        """Return by what (c,) a sample's variances grow; None where the temperature is what the calibration knows."""
+        return self.uncertainty[row] ** 2 if self.status[row] else None
 
 
 def joined(parts: Sequence[Compensated]) -> Compensated:

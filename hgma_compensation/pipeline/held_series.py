@@ -6,15 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.stamps import Stamps, to_nanoseconds
-from hgma_compensation.temperature.track import Sample, judge
+from hgma_compensation.temperature.track import TAKEN, Sample, judge, turn_back
 from hgma_compensation.temperature.updates import Updates
 
 
 class HeldSeries:
     """Samples that hold until the next one; a sample counts for stamps at least the latency after its own."""
 
-    def __init__(self, latency: float, *, keep: float | None = None) -> None:
-        """Start empty; latency: s. keep: s of history to hold on to, None for all of it."""
+    def __init__(self, latency: float, plausible: tuple[float, float], *, keep: float | None = None) -> None:
+        """Start empty; latency: s. plausible: least and greatest value. keep: s of history, None for all of it."""
+        self._plausible = plausible
         self._latency = to_nanoseconds(latency)
         self._samples = Updates(keep=None if keep is None else to_nanoseconds(keep))
 
@@ -22,18 +23,21 @@ class HeldSeries:
         """Return the number of samples that are held."""
         return len(self._samples)
 
+    @property
+    def updates(self) -> Updates:
+        """The samples, as updates whose rate is 0."""
+        return self._samples
+
     def reset(self) -> None:
         """Forget all samples."""
         self._samples.reset()
 
     def add(self, stamp: int, value: float) -> Sample:
         """Take a sample (stamp in ns) and say what became of it, as for the thermistor."""
-        outcome = judge(stamp, value, self._samples.last)
-        if outcome is Sample.RESTARTED:
-            self.reset()
-        elif outcome is not Sample.USED:
-            return outcome
-        self._samples.append(stamp, value, 0.0)
+        outcome = judge(stamp, value, self._plausible, self._samples)
+        if outcome in TAKEN:
+            turn_back(outcome, stamp, self._samples)
+            self._samples.append(stamp, value, 0.0)
         return outcome
 
     def read(self, stamps: Stamps) -> NDArray[np.float64]:

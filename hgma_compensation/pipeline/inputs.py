@@ -14,11 +14,15 @@ from hgma_compensation.pipeline.held_series import HeldSeries
 from hgma_compensation.stamps import Stamps, to_nanoseconds
 from hgma_compensation.temperature.features import FeatureSettings
 from hgma_compensation.temperature.track import Sample, TemperatureTrack
+from hgma_compensation.temperature.updates import Updates
 
 Array = NDArray[np.float64]
 
 ACCELERATION_LAG = 60.0
 """Seconds by which a live accelerometer may lag its thermistor before history is dropped."""
+
+PLAUSIBLE_VOLTS = (0.0, 100.0)
+"""Outside of this a supply voltage is no measurement."""
 
 
 class Inputs:
@@ -39,7 +43,7 @@ class Inputs:
             settings.noise, memory=stage.memory, limits=(float(box.lower[0]), float(box.upper[0])), keep=keep
         )
         self.temperature_2 = TemperatureTrack(settings.noise, keep=keep)
-        self.supply_voltage = HeldSeries(settings.latency, keep=keep)
+        self.supply_voltage = HeldSeries(settings.latency, PLAUSIBLE_VOLTS, keep=keep)
 
     def reset(self) -> None:
         """Forget all samples."""
@@ -48,15 +52,21 @@ class Inputs:
 
     def add(self, need: Need | None, stamp: int, value: float) -> Sample:
         """Take a sample of an input, None for the thermistor (ns, °C or V), and say what became of it."""
+        return self._series(need).add(stamp, value)
+
+    def updates(self, need: Need | None) -> Updates:
+        """Return what became of the samples of an input, None for the thermistor."""
+        return self._series(need).updates
+
+    def _series(self, need: Need | None) -> TemperatureTrack | HeldSeries:
         if need is None:
-            return self.temperature.add(stamp, value)
-        return (self.temperature_2 if need is Need.TEMPERATURE_2 else self.supply_voltage).add(stamp, value)
+            return self.temperature
+        return self.temperature_2 if need is Need.TEMPERATURE_2 else self.supply_voltage
 
     @property
     def missing(self) -> tuple[Need, ...]:
         """The inputs that an effect needs and that have never come."""
-        came = {Need.TEMPERATURE_2: len(self.temperature_2.updates), Need.SUPPLY_VOLTAGE: len(self.supply_voltage)}
-        return tuple(need for need in self.wanted if need is not None and not came[need])
+        return tuple(need for need in self.wanted if need is not None and not len(self.updates(need)))
 
     def conditions(self, stamps: Stamps, clamped: Array, unknown: NDArray[np.bool_], acceleration: Array) -> Conditions:
         """Return what effects may answer to at n stamps.

@@ -1,21 +1,31 @@
 """A pipeline that lives in a node: swaps calibrations, remembers the slow inputs, counts what it skips."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.channels import columns_of
+from hgma_compensation.channels import columns_of, group_of
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.health import Health
+from hgma_compensation.pipeline.inputs import ACCELERATION_LAG
 from hgma_compensation.pipeline.pipeline import Pipeline
-from hgma_compensation.pipeline.reasons import LATE, MISSING, Note, Skip, sample_name
+from hgma_compensation.pipeline.reasons import LATE, MISSING, STALE, Note, Skip, sample_name, status_name
 from hgma_compensation.pipeline.remembered import Remembered
+from hgma_compensation.pipeline.rest_monitor import RestMonitor
+from hgma_compensation.pipeline.screening import out_of_step, reason_to_skip
+from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.stamps import Stamps, to_nanoseconds
 from hgma_compensation.temperature.track import Sample
+from hgma_compensation.temperature.updates import POWER_OFF
+
+LONGEST_LEAD = to_nanoseconds(ACCELERATION_LAG)
+"""ns that a slow input may be ahead of the accelerometer without its history being dropped."""
 
 SLOW_INPUTS = (None, Need.TEMPERATURE_2, Need.SUPPLY_VOLTAGE)
 """None is the thermistor."""
@@ -30,16 +40,22 @@ class LiveResult:
 
 
 class LiveCompensation:
-    """The node's state without ROS. Not thread-safe: one executor thread owns it."""
+    """The node's state without ROS. Not thread-safe: one executor thread owns it.
+
+    stop_on: statuses of the temperature in which samples get no output. temperatures: thermistor samples so far.
+    """
 
     def __init__(self) -> None:
         """Start without a calibration."""
         self.counts: Counter[str] = Counter()
-        self.received = self.compensated = 0
+        self.received = self.compensated = self.temperatures = 0
         self.last_result: LiveResult | None = None
+        self.stop_on: frozenset[TemperatureStatus] = frozenset()
+        self._rest: RestMonitor | None = None
+        self._health: Health | None = None
         self._pipeline: Pipeline | None = None
+        self._frame: str | None = None
         self._remembered: dict[Need | None, Remembered] = {need: Remembered() for need in SLOW_INPUTS}
-        self._last_acceleration: int | None = None
 
     @property
     def calibration(self) -> Calibration | None:
@@ -56,6 +72,31 @@ class LiveCompensation:
         """Inputs that an effect of the calibration in use needs, and that have never come."""
         return self._pipeline.inputs.missing if self._pipeline else ()
 
+    @property
+    def temperature_unchanged(self) -> float:
+        """For how long (s) the thermistor has shown exactly the same value."""
+        if self._pipeline is None or self._pipeline.newest is None:
+            return 0.0
+        return self._pipeline.track.unchanged(self._pipeline.newest)
+
+    @property
+    def thermistor_behind(self) -> float:
+        """By how much (s) the thermistor's newest stamp is behind the accelerometer's; infinite without one."""
+        if self._pipeline is None or self._pipeline.newest is None or self._pipeline.track.last is None:
+            return inf
+        return (self._pipeline.newest - self._pipeline.track.last) * 1e-9
+
+    def problems(self) -> list[str]:
+        """Return what says that the calibration does not fit the sensor; once for each report."""
+        if self._health is None:
+            return []
+        self._health.update()
+        return self._health.problems()
+
+    def values(self) -> list[tuple[str, str]]:
+        """Return the figures behind ``problems``, by name."""
+        return [] if self._health is None else self._health.values()
+
     def install(self, calibration: Calibration) -> None:
         """Use a calibration from the next sample on; it starts from what is remembered of the slow inputs."""
         pipeline = Pipeline(calibration, live=True)
@@ -63,24 +104,27 @@ class LiveCompensation:
             pipeline.track.updates.assume_power_on(power_on)
         for need in pipeline.inputs.wanted:
             for stamp, value in self._remembered[need]:
-                pipeline.inputs.add(need, stamp, value)
+                pipeline.add(need, stamp, value)
         self._pipeline = pipeline
+        self._rest = RestMonitor(calibration)
+        self._health = Health(pipeline, self._rest)
 
     def remove_calibration(self) -> None:
         """Drop the calibration; samples are skipped until another is installed."""
-        self._pipeline = None
+        self._pipeline = self._rest = self._health = None
         self.last_result = None
 
     def reset(self) -> None:
         """Forget the history of all inputs, memories and filter states; calibration and counts stay."""
         for samples in self._remembered.values():
             samples.clear()
-        self._last_acceleration = None
-        if self._pipeline is not None:
+        if self._pipeline is not None and self._rest is not None:
             self._pipeline.reset()
+            self._rest.reset()
 
     def add_temperature(self, stamp: int, celsius: float) -> None:
         """Take a thermistor sample (ns, °C)."""
+        self.temperatures += 1
         self._add(None, stamp, celsius)
 
     def add_temperature_2(self, stamp: int, celsius: float) -> None:
@@ -96,7 +140,7 @@ class LiveCompensation:
         remembered.add(stamp, value)
         if self._pipeline is None or need not in self._pipeline.inputs.wanted:
             return
-        sample = self._pipeline.inputs.add(need, stamp, value)
+        sample = self._pipeline.add(need, stamp, value)
         if sample is Sample.RESTARTED:
             remembered.clear()
             remembered.add(stamp, value)
@@ -109,32 +153,65 @@ class LiveCompensation:
         """Return whether an acceleration was compensated before that should have used this sample."""
         assert self._pipeline is not None
         usable_from = stamp + to_nanoseconds(self._pipeline.calibration.features.latency)
-        return self._last_acceleration is not None and usable_from <= self._last_acceleration
+        newest = self._pipeline.newest
+        return newest is not None and usable_from <= newest
 
     def compensate(self, stamps: Stamps, values: NDArray[np.float64]) -> LiveResult | None:
         """Return the compensated samples, or None and a counted reason.
 
-        stamps: (n,) ns. values: (n, 6), columns CHANNELS. A block with a number that is not finite in a channel that
+        stamps: (n,) ns. values: (n, 6), columns CHANNELS. A block with a sample that is not usable in a channel that
         is calibrated, or that an effect reads, is skipped whole, so that none enters a filter.
         """
         self.received += len(stamps)
-        if self._pipeline is None:
+        pipeline = self._pipeline
+        if pipeline is None:
             self._skip(Skip.NO_CALIBRATION, len(stamps))
             return None
-        calibration = self._pipeline.calibration
-        wanted = values[:, columns_of(calibration.names)]
-        if not np.isfinite(values[:, self._pipeline.columns_read]).all():
-            self._skip(Skip.NOT_FINITE, len(stamps))
+        reason = reason_to_skip(stamps, values[:, pipeline.columns_read])
+        if reason is not None:
+            self._skip(reason, len(stamps))
             return None
-        jumps = self._pipeline.jumps_back
-        self.last_result = LiveResult(calibration, self._pipeline.compensate(stamps, wanted, values))
-        if self._pipeline.jumps_back > jumps:
-            self.counts[Note.TIME_JUMPED_BACK.value] += self._pipeline.jumps_back - jumps
-        for need in self.missing_inputs:
-            self.counts[MISSING[need].value] += len(stamps)
-        self._last_acceleration = int(stamps[-1])
+        for note, count in out_of_step(stamps, pipeline.newest).items():
+            self.counts[note.value] += count
+        wanted = values[:, columns_of(pipeline.calibration.names)]
+        result = pipeline.compensate(stamps, wanted, values)
+        self.last_result = LiveResult(pipeline.calibration, result)
+        self._observe(pipeline, stamps, wanted, result)
+        if self.stop_on and any(status in self.stop_on for status in result.status.tolist()):
+            self._skip(Skip.STOPPED, len(stamps))
+            return None
         self.compensated += len(stamps)
         return self.last_result
+
+    def _observe(self, pipeline: Pipeline, stamps: Stamps, values: NDArray[np.float64], result: Compensated) -> None:
+        """Count what a result says of its inputs, and let the residual be judged."""
+        for cut in list(pipeline.cuts):
+            self.counts[cut.value] += pipeline.cuts.pop(cut)
+        for status in result.status[result.status > 0].tolist():
+            self.counts[status_name(TemperatureStatus(status))] += 1
+        newest = int(stamps[-1])
+        for need in pipeline.inputs.wanted:
+            if (note := _absence(need, pipeline.inputs.updates(need).last, newest)) is not None:
+                self.counts[note.value] += len(stamps)
+        assert self._rest is not None
+        self._rest.take(stamps, values - result.drift, result.features[:, 0], usable=not result.status.any())
+
+    def covers(self, groups: Collection[str]) -> bool:
+        """Return whether the calibration in use compensates a channel of one of these fields of an Imu."""
+        return (
+            bool(groups) and self.calibration is not None and any(group_of(n) in groups for n in self.calibration.names)
+        )
+
+    def begin_frame(self, frame: str) -> None:
+        """Take note of the frame of the next samples; where it changes, another sensor may have come."""
+        if self._frame is not None and frame != self._frame and self._pipeline is not None:
+            self.counts[Note.FRAME_CHANGED.value] += 1
+            self._pipeline.forget_acceleration()
+        self._frame = frame
+
+    def note(self, note: Note) -> None:
+        """Count what was seen of a sample outside of here."""
+        self.counts[note.value] += 1
 
     def skip_unseen(self, reason: Skip, samples: int) -> None:
         """Count samples that came and were not even given to ``compensate``."""
@@ -147,6 +224,15 @@ class LiveCompensation:
     def skipped(self) -> int:
         """Return how many samples got no output, whatever the reason."""
         return sum(self.counts[reason.value] for reason in Skip)
+
+
+def _absence(need: Need | None, last: int | None, now: int) -> Note | None:
+    """Return what is to be said of an input whose newest sample came at ``last``, with the accelerometer at ``now``."""
+    if need is None:
+        return Note.TEMPERATURE_AHEAD if last is not None and last - now > LONGEST_LEAD else None
+    if last is None:
+        return MISSING[need]
+    return STALE[need] if now - last > POWER_OFF else None
 
 
 def single_sample(stamp: int, values: Sequence[float]) -> tuple[Stamps, NDArray[np.float64]]:

@@ -1,5 +1,8 @@
 """Raw acceleration and slow inputs in, compensated acceleration out: sample by sample or in bulk."""
 
+from collections import Counter
+from copy import deepcopy
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,11 +12,13 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import CHANNELS, columns_of
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.kalman.stage import KalmanStage
+from hgma_compensation.kalman.stage import Consistency, KalmanStage
 from hgma_compensation.pipeline.compensated import Compensated, joined
 from hgma_compensation.pipeline.inputs import Inputs
-from hgma_compensation.pipeline.status import TemperatureStatus, temperature_status
-from hgma_compensation.pipeline.stretches import Stretches
+from hgma_compensation.pipeline.status import temperature_status
+from hgma_compensation.pipeline.stretches import Cut, Stretches
+from hgma_compensation.pipeline.time_lines import TimeLines
+from hgma_compensation.pipeline.uncertainty import DriftUncertainty
 from hgma_compensation.stamps import Stamps
 from hgma_compensation.temperature.features import read_features
 from hgma_compensation.temperature.track import Sample, TemperatureTrack
@@ -33,13 +38,22 @@ class Pipeline:
         """Start without history; live: drop history that no sample can reach any more."""
         self.calibration = calibration
         self.stage = calibration.stage()
-        self.inputs = Inputs(calibration.features, calibration.calibrated_range, self.stage, live=live)
+        make = partial(Inputs, calibration.features, calibration.calibrated_range, self.stage, live=live)
+        self._time_lines = TimeLines(make, live=live)
         self._filters = [
             None if channel.filter.noise is None else KalmanStage(channel.filter, channel.reference)
             for channel in calibration.channels
         ]
+        self._uncertainty = DriftUncertainty(calibration)
         self._stretches = Stretches()
+        self._before_pause: tuple[list[KalmanStage | None], list[Any]] = (self._filters, self.stage.snapshot())
+        self.cuts: Counter[Cut] = Counter()
         self._columns, self.columns_read = columns_of(calibration.names), columns_of(calibration.channels_read)
+
+    @property
+    def inputs(self) -> Inputs:
+        """The slow inputs of the time line that the accelerometer is on."""
+        return self._time_lines.current
 
     @property
     def track(self) -> TemperatureTrack:
@@ -47,39 +61,47 @@ class Pipeline:
         return self.inputs.temperature
 
     @property
-    def jumps_back(self) -> int:
-        """How often the accelerometer's stamps began anew."""
-        return self._stretches.jumps_back
-
-    @property
     def gate_openings(self) -> int:
         """How often real acceleration has opened the gate of any channel's Kalman stage."""
         return sum(stage.openings for stage in self._filters if stage is not None)
 
+    def take_consistency(self) -> list[Consistency]:
+        """Return for each channel what the innovations of its Kalman stage were like since the last call."""
+        return [Consistency() if stage is None else stage.take_consistency() for stage in self._filters]
+
     def reset(self) -> None:
         """Forget all inputs, memories and filter states; the calibration stays."""
-        self.inputs.reset()
-        self._stretches.newest = None
-        self._begin_anew()
+        self._time_lines.reset()
+        self._stretches.reset()
+        self.forget_acceleration()
 
-    def _begin_anew(self) -> None:
-        """Forget the acceleration."""
+    @property
+    def newest(self) -> int | None:
+        """Latest stamp of the accelerometer on its time line, ns."""
+        return self._stretches.newest
+
+    def forget_acceleration(self) -> None:
+        """Let filters and memories of the acceleration begin anew; the slow inputs stay."""
         self.stage.reset()
         for stage in self._filters:
             if stage is not None:
                 stage.reset()
 
+    def add(self, need: Need | None, stamp: int, value: float) -> Sample:
+        """Take a sample of an input, None for the thermistor (ns, °C or V), and say what became of it."""
+        return self._time_lines.add(need, stamp, value, self._stretches.newest)
+
     def add_temperature(self, stamp: int, celsius: float) -> Sample:
         """Take a thermistor sample (ns, °C) and say what became of it."""
-        return self.inputs.add(None, stamp, celsius)
+        return self.add(None, stamp, celsius)
 
     def add_temperature_2(self, stamp: int, celsius: float) -> Sample:
         """Take a sample of the second thermometer (ns, °C) and say what became of it."""
-        return self.inputs.add(Need.TEMPERATURE_2, stamp, celsius)
+        return self.add(Need.TEMPERATURE_2, stamp, celsius)
 
     def add_supply_voltage(self, stamp: int, volts: float) -> Sample:
         """Take a sample of the supply voltage (ns, V) and say what became of it."""
-        return self.inputs.add(Need.SUPPLY_VOLTAGE, stamp, volts)
+        return self.add(Need.SUPPLY_VOLTAGE, stamp, volts)
 
     def compensate(
         self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None = None
@@ -87,18 +109,34 @@ class Pipeline:
         """Compensate finite samples, values (n, c) at stamps (n,) in ns.
 
         imu: (n, 6), columns CHANNELS, needed where an effect reads a channel that is not calibrated. Splitting the
-        samples over several calls changes no bit of the result. A step back in time by more than TIME_JUMP begins
-        filters and memories of the acceleration anew.
+        samples over several calls changes no bit of the result. Where the clock does more than go on, filters and
+        memories of the acceleration begin anew or are carried: see Cut.
         """
         imu = self._widened(values) if imu is None else imu
         if not len(stamps):
             return self._compensate(stamps, values, imu)
         parts = []
-        for rows, anew in self._stretches.split(stamps, CHUNK):
-            if anew:
-                self._begin_anew()
+        for rows, cut in self._stretches.split(stamps, CHUNK):
+            self._enter(cut, int(stamps[rows.start]))
             parts.append(self._compensate(stamps[rows], values[rows], imu[rows]))
         return parts[0] if len(parts) == 1 else joined(parts)
+
+    def _enter(self, cut: Cut, stamp: int) -> None:
+        """Do what the cut before a stretch asks for; stamp: of its first sample, ns."""
+        if cut is Cut.ANEW:
+            self._time_lines.turn()
+            self.forget_acceleration()
+        elif cut is Cut.PAUSE:
+            self._before_pause = (deepcopy(self._filters), self.stage.snapshot())
+        elif cut is Cut.RECALLED:
+            self._filters = self._before_pause[0]
+            self.stage.restore(self._before_pause[1])
+        elif cut is Cut.SET_BACK:
+            for stage in filter(None, self._filters):
+                stage.set_back(stamp)
+        self._time_lines.follow(stamp)
+        if cut is not Cut.NONE:
+            self.cuts[cut] += 1
 
     def _widened(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return values (n, c) as columns of CHANNELS (n, 6), the others 0."""
@@ -116,13 +154,14 @@ class Pipeline:
         status = temperature_status(features, calibration.features, inside)
         # Without any temperature the drift at the middle of the range is the best guess there is; the
         # status says that it is one.
-        missing = status == TemperatureStatus.MISSING
+        missing = np.isinf(features.age)
         known = np.where(missing[:, None], calibration.calibrated_range.middle, features.values)
         drift = self._drift(stamps, values, imu, known, missing)
         corrected = values - drift
         innovation = np.zeros_like(corrected)
         self._filter(stamps, corrected, innovation)
-        return Compensated(corrected, drift, innovation, known, inside, status)
+        uncertainty = self._uncertainty.evaluate(known, features.age, status)
+        return Compensated(corrected, drift, innovation, known, inside, status, uncertainty)
 
     def _drift(
         self,

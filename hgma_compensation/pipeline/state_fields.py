@@ -20,6 +20,7 @@ def state_fields(calibration: Calibration, result: Compensated, row: int) -> dic
         "temperature_product": product,
         "channels": list(calibration.names),
         "drift": result.drift[row],
+        "uncertainty": result.uncertainty[row],
         "innovation": result.innovation[row],
         "inside_calibrated_range": bool(result.inside_range[row]),
         "temperature_status": int(result.status[row]),

@@ -26,11 +26,12 @@ def temperature_status(
 
     MISSING before the first thermistor sample; STALE when the newest is older than the prediction
     horizon; SETTLING until the history since the power-on covers the delay of ΔT; OUT_OF_RANGE outside the calibrated
-    box.
+    box; INVALID where the newest thermistor sample could not be used or looks broken, whatever else holds.
     """
     status = np.full(len(features.age), TemperatureStatus.OK, dtype=np.uint8)
     status[features.since_power_on < settings.delay] = TemperatureStatus.SETTLING
     status[~inside_range] = TemperatureStatus.OUT_OF_RANGE
     status[features.age > settings.prediction_horizon] = TemperatureStatus.STALE
     status[np.isinf(features.age)] = TemperatureStatus.MISSING
+    status[features.unusable] = TemperatureStatus.INVALID
     return status

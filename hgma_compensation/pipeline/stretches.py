@@ -1,38 +1,94 @@
-"""Samples of the accelerometer cut where its clock began anew."""
+"""Samples of the accelerometer cut where its clock did more than go on."""
 
 from collections.abc import Iterator
+from enum import Enum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hgma_compensation.stamps import Stamps
-from hgma_compensation.temperature.track import TIME_JUMP
+from hgma_compensation.temperature.updates import POWER_OFF
+from hgma_compensation.time_jumps import RECALL, TIME_JUMP, StepBack, step_back
+
+
+class Cut(Enum):
+    """What happened before a stretch.
+
+    PAUSE: no sample for so long that the sensor was off, or a clock that steps ahead. ANEW: a new time line, such as a
+    bag that loops. SET_BACK: the clock was corrected. RECALLED: the pause before was none, the clock had been wrong.
+    """
+
+    NONE = "none"
+    PAUSE = "acceleration_paused"
+    ANEW = "acceleration_time_jumped_back"
+    SET_BACK = "acceleration_clock_set_back"
+    RECALLED = "acceleration_clock_was_ahead"
+
+
+_STEPS_BACK = {StepBack.ANEW: Cut.ANEW, StepBack.CORRECTED: Cut.SET_BACK}
 
 
 class Stretches:
-    """Cuts before each stamp that lies more than TIME_JUMP before the newest (a bag that loops).
-
-    newest: latest stamp since the last cut, ns. jumps_back: number of cuts so far.
-    """
+    """Follows the stamps; newest: latest one of this time line, ns."""
 
     def __init__(self) -> None:
         """Start before any sample."""
-        self.newest: int | None = None
-        self.jumps_back = 0
+        self.reset()
 
-    def split(self, stamps: Stamps, longest: int) -> Iterator[tuple[slice, bool]]:
-        """Yield the rows of each stretch of at most ``longest`` samples, and whether there is a cut before it."""
-        start, anew = 0, False
+    def reset(self) -> None:
+        """Forget all stamps."""
+        self.newest: int | None = None
+        self._first = 0
+        self._pause: tuple[int, int] | None = None
+
+    def split(self, stamps: Stamps, longest: int) -> Iterator[tuple[slice, Cut]]:
+        """Yield the rows of each stretch of at most ``longest`` samples, and what happened before it."""
+        start = 0
         while start < len(stamps):
-            end = min(start + longest, len(stamps))
-            before = stamps[start] if self.newest is None else self.newest
-            newest = np.maximum.accumulate(np.concatenate([[before], stamps[start:end]]))
-            jumps = np.flatnonzero(stamps[start:end] < newest[:-1] - TIME_JUMP)
-            stop = start + int(jumps[0]) if len(jumps) else end
-            self.newest = int(newest[stop - start])
-            if stop > start:
-                yield slice(start, stop), anew
-                anew = False
-            if len(jumps):
-                self.jumps_back += 1
-                self.newest, anew = None, True
+            cut = self._enter(int(stamps[start]))
+            stop = start + self._until_cut(stamps[start : start + longest])
+            yield slice(start, stop), cut
             start = stop
+
+    def _enter(self, stamp: int) -> Cut:
+        """Take the first stamp of a stretch and say what happened before it."""
+        cut = Cut.NONE if self.newest is None else self._meaning(stamp, self.newest)
+        if self.newest is None or cut is Cut.ANEW:
+            self._first, self.newest = stamp, stamp
+        elif cut is Cut.SET_BACK:
+            self._first -= self.newest - stamp
+            self.newest = stamp
+        elif cut is Cut.RECALLED:
+            assert self._pause is not None
+            self.newest = max(self._pause[0], stamp)
+        elif cut is Cut.PAUSE:
+            self._pause = (self.newest, stamp)
+        if cut in (Cut.ANEW, Cut.SET_BACK, Cut.RECALLED):
+            self._pause = None
+        return cut
+
+    def _meaning(self, stamp: int, newest: int) -> Cut:
+        if stamp - newest > POWER_OFF:
+            return Cut.PAUSE
+        if newest - stamp <= TIME_JUMP:
+            return Cut.NONE
+        soon = self._pause is not None and newest - self._pause[1] <= RECALL
+        if soon and self._pause is not None and stamp >= self._pause[0] - TIME_JUMP:
+            return Cut.RECALLED
+        return _STEPS_BACK[step_back(stamp, newest, self._first)]
+
+    def _until_cut(self, stamps: Stamps) -> int:
+        """Return how many of the stamps belong to the stretch that begins with the first, and move on to them."""
+        assert self.newest is not None
+        if len(stamps) == 1:
+            self.newest = max(self.newest, int(stamps[0]))
+            return 1
+        newest = np.maximum(np.maximum.accumulate(stamps), self.newest)
+        cuts = np.flatnonzero(_cuts(stamps[1:], newest[:-1]))
+        count = int(cuts[0]) + 1 if len(cuts) else len(stamps)
+        self.newest = int(newest[count - 1])
+        return count
+
+
+def _cuts(stamps: Stamps, newest: Stamps) -> NDArray[np.bool_]:
+    return np.asarray((stamps < newest - TIME_JUMP) | (stamps - newest > POWER_OFF))

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 
 from hgma_compensation import topics
@@ -15,11 +14,14 @@ from hgma_compensation.errors import RefusedError
 from hgma_compensation.messages import absent_groups, block_samples, imu_values, stamp_of, widen_block
 from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording import typestore as types
+from hgma_compensation.recording.bag import Bag
+from hgma_compensation.recording.growing import Growing
 from hgma_compensation.recording.recording import Recording, Series, present_channels
+from hgma_compensation.stamps import Stamps
 
 
 @contextmanager
-def open_bag(path: Path) -> Iterator[AnyReader]:
+def open_bag(path: Path) -> Iterator[Bag]:
     """Open a bag; raises RefusedError where it is none, is damaged, or ends too early."""
     path = Path(path)
     if not path.exists():
@@ -30,8 +32,9 @@ def open_bag(path: Path) -> Iterator[AnyReader]:
         )
     reader = None
     try:
-        reader = AnyReader([path], default_typestore=types.typestore())
-        reader.open()
+        reader = Bag(path)
+    except RefusedError as refusal:
+        raise RefusedError(f"bag {path}: {refusal}") from None
     except Exception as error:  # whatever a parser raises on damaged bytes
         raise RefusedError(f"bag {path} cannot be read ({error}): it is damaged or no rosbag2 recording") from error
     try:
@@ -40,9 +43,7 @@ def open_bag(path: Path) -> Iterator[AnyReader]:
         reader.close()
 
 
-def read_messages(
-    reader: AnyReader, path: Path, connections: list[Connection]
-) -> Iterator[tuple[Connection, int, bytes]]:
+def read_messages(reader: Bag, path: Path, connections: list[Connection]) -> Iterator[tuple[Connection, int, bytes]]:
     """Yield the messages; a damaged storage raises RefusedError instead of the library's error."""
     try:
         yield from reader.messages(connections)
@@ -50,7 +51,7 @@ def read_messages(
         raise RefusedError(f"bag {path} is damaged ({error}): record or copy it again") from error
 
 
-def connections_of(reader: AnyReader, topic: str, message_type: str, path: Path) -> list[Connection]:
+def connections_of(reader: Bag, topic: str, message_type: str, path: Path) -> list[Connection]:
     """Return the connections of a topic; raises RefusedError where it has another type."""
     found = [connection for connection in reader.connections if connection.topic == topic]
     for connection in found:
@@ -79,19 +80,19 @@ def read_recording(path: Path, names: topics.TopicNames | None = None, progress:
                 f"bag {path} holds no {names[topics.RAW]}, only {held}: "
                 f"name the accelerometer's topic with --remap /{topics.RAW}:=/your/topic"
             )
-        stamps, values, present, frame = reading.imu(imu) if imu else reading.blocks(blocks)
+        stamps, values, present, frame, block = reading.imu(imu) if imu else reading.blocks(blocks)
         scalars = {
             "temperature": reading.scalars(names[topics.TEMPERATURE], types.TEMPERATURE, "temperature"),
             "temperature_2": reading.scalars(names[topics.TEMPERATURE_2], types.TEMPERATURE, "temperature"),
             "supply_voltage": reading.scalars(names[topics.SUPPLY_VOLTAGE], types.SUPPLY_VOLTAGE, "voltage"),
         }
-    return Recording(Path(path).name, stamps, values, present, frame=frame, **scalars)
+    return Recording(Path(path).name, stamps, values, present, frame=frame, block=block, **scalars)
 
 
 class _Reading:
     """One pass over each topic of an open bag."""
 
-    def __init__(self, reader: AnyReader, path: Path, progress: Advance | None) -> None:
+    def __init__(self, reader: Bag, path: Path, progress: Advance | None) -> None:
         self._reader, self._path, self._progress = reader, path, progress
 
     def connections(self, topic: str, message_type: str) -> list[Connection]:
@@ -106,29 +107,40 @@ class _Reading:
                 raise RefusedError(f"bag {self._path}: a message on {connection.topic} is damaged ({error})") from error
 
     def imu(self, connections: list[Connection]) -> tuple[Any, ...]:
-        count = sum(connection.msgcount for connection in connections)
-        stamps, values = np.empty(count, dtype=np.int64), np.empty((count, len(CHANNELS)))
+        count, frame = sum(connection.msgcount for connection in connections), ""
+        stamps, values = Growing(count, np.int64), Growing(count, np.float64, (len(CHANNELS),))
         absent: set[str] | None = None
-        frame, row = "", 0
         for message in self._messages(connections):
-            stamps[row], values[row] = stamp_of(message), imu_values(message)
+            stamps.append(stamp_of(message))
+            values.append(imu_values(message))
             absent = absent_groups(message) if absent is None else absent & absent_groups(message)
-            frame, row = message.header.frame_id, row + 1
-        return stamps[:row], values[:row], present_channels(values[:row], absent or set()), frame
+            frame = message.header.frame_id
+        self._require(stamps.array(), connections)
+        return stamps.array(), values.array(), present_channels(values.array(), absent or set()), frame, None
+
+    def _require(self, stamps: Stamps, connections: list[Connection]) -> None:
+        if not len(stamps):
+            raise RefusedError(
+                f"bag {self._path} holds no sample on {connections[0].topic}, though it declares messages: "
+                "it is damaged, record or copy it again"
+            )
 
     def blocks(self, connections: list[Connection]) -> tuple[Any, ...]:
         parts, frame = [], ""
         for message in self._messages(connections):
             parts.append(block_samples(message, f"bag {self._path}"))
             frame = message.header.frame_id
-        stamps = np.concatenate([part[0] for part in parts])
+        stamps = np.concatenate([part[0] for part in parts] or [np.empty(0, dtype=np.int64)])
+        self._require(stamps, connections)
         values = widen_block(np.concatenate([part[1] for part in parts]))
-        return stamps, values, present_channels(values, {"angular_velocity"}), frame
+        block = np.repeat(np.arange(len(parts)), [len(part[0]) for part in parts])
+        return stamps, values, present_channels(values, {"angular_velocity"}), frame, block
 
     def scalars(self, topic: str, message_type: str, attribute: str) -> Series:
         connections = self.connections(topic, message_type)
         count = sum(connection.msgcount for connection in connections)
-        stamps, values, row = np.empty(count, dtype=np.int64), np.empty(count), 0
+        stamps, values = Growing(count, np.int64), Growing(count, np.float64)
         for message in self._messages(connections) if connections else ():
-            stamps[row], values[row], row = stamp_of(message), getattr(message, attribute), row + 1
-        return Series(stamps[:row], values[:row])
+            stamps.append(stamp_of(message))
+            values.append(getattr(message, attribute))
+        return Series(stamps.array(), values.array())

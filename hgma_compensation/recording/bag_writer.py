@@ -9,6 +9,7 @@ from typing import Any
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
+from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import new_directory
 from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording import typestore as types
@@ -38,15 +39,21 @@ class BagWriter:
         return self._writer.add_connection(name, message_type, typestore=self.typestore)
 
     def copy_topic(self, connection: Connection) -> Connection:
-        """Add a topic of another bag, type definition and QoS included."""
-        return self._writer.add_connection(
-            connection.topic,
-            connection.msgtype,
-            msgdef=connection.msgdef.data or None,
-            rihs01=connection.digest or None,
-            typestore=self.typestore,
-            offered_qos_profiles=getattr(connection.ext, "offered_qos_profiles", ()),
-        )
+        """Add a topic of another bag, type definition and QoS included; raises RefusedError where that cannot be."""
+        try:
+            return self._writer.add_connection(
+                connection.topic,
+                connection.msgtype,
+                msgdef=connection.msgdef.data or None,
+                rihs01=connection.digest or None,
+                typestore=self.typestore,
+                offered_qos_profiles=getattr(connection.ext, "offered_qos_profiles", ()),
+            )
+        except Exception as error:  # whatever the library makes of a definition or a QoS from outside
+            raise RefusedError(
+                f"topic {connection.topic} of type {connection.msgtype} cannot be copied ({error}): "
+                "give the bag's folder, or record it again without that topic"
+            ) from error
 
     def write(self, connection: Connection, time: int, message: Any) -> None:
         """Write a message at a log time in ns."""

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 
 from hgma_compensation import topics
@@ -14,20 +13,25 @@ from hgma_compensation.channels import columns_of
 from hgma_compensation.effects.effect import Effect, Need
 from hgma_compensation.effects.stage import channels_read
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.messages import patch_block, patch_imu
+from hgma_compensation.messages import patch_block, patch_covariances, patch_imu
 from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.pipeline.pipeline import Pipeline
+from hgma_compensation.pipeline.screening import usable_samples
 from hgma_compensation.pipeline.state_fields import state_fields
 from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording import typestore as types
+from hgma_compensation.recording.bag import Bag
 from hgma_compensation.recording.bag_reader import open_bag, read_messages
 from hgma_compensation.recording.bag_writer import BagWriter, Storage, new_bag
 from hgma_compensation.recording.recording import Recording
 
 
 def usable_rows(recording: Recording, calibration: Calibration) -> NDArray[np.bool_]:
-    """Return for each sample whether all channels that are read are finite; the node skips the others too."""
-    return np.asarray(np.isfinite(recording.values[:, columns_of(calibration.channels_read)]).all(axis=1))
+    """Return for each sample whether it is compensated; as in the node, one that is not costs its whole block."""
+    usable = usable_samples(recording.stamps, recording.values[:, columns_of(calibration.channels_read)])
+    if recording.block is None or usable.all():
+        return usable
+    return ~np.isin(recording.block, recording.block[~usable])
 
 
 def check_covered(recording: Recording, calibration: Calibration) -> None:
@@ -104,7 +108,7 @@ class _Copy:
 
     def __init__(
         self,
-        reader: AnyReader,
+        reader: Bag,
         bag: BagWriter,
         names: topics.TopicNames,
         calibration: Calibration,
@@ -144,6 +148,7 @@ class _Copy:
         values = self._result.values[rows]
         if self._imu:
             patch_imu(message, self._calibration.names, values[0].tolist())
+            patch_covariances(message, self._calibration.names, self._result.added_variance(rows.start))
         else:
             patch_block(message, self._calibration.names, values)
         self._bag.write(self._output, time, message)

@@ -1,6 +1,5 @@
 """A recording out of a table of numbers."""
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.recording.csv_columns import read_columns
 from hgma_compensation.recording.recording import Recording, Series
 from hgma_compensation.stamps import NANOSECONDS
 
@@ -23,6 +23,9 @@ ACCELERATION_UNITS = {
 }
 """Factors to m/s²; "kg" is the kilo-g of shock tables."""
 RATE_UNITS = {"rad/s": 1.0, "deg/s": float(np.pi / 180.0)}
+LATEST = 2.0**31
+"""s: what a stamp of ROS can hold."""
+
 TEMPERATURE_UNITS = {"C": (1.0, 0.0), "K": (1.0, -273.15), "F": (5.0 / 9.0, -160.0 / 9.0)}
 """Factor and offset to °C."""
 
@@ -68,6 +71,8 @@ def read_table(path: Path, columns: Columns) -> Recording:
             f"its time runs from {seconds[0]:g} s to {seconds[-1]:g} s"
         )
     table, seconds = {name: numbers[inside] for name, numbers in table.items()}, seconds[inside]
+    if np.abs(seconds).max() > LATEST:
+        raise RefusedError(f"{path}: its time goes beyond {LATEST:g} s: name the time column and its unit")
     stamps = np.rint(seconds * NANOSECONDS).astype(np.int64)
     _check_increasing(path, stamps)
     factor, offset = TEMPERATURE_UNITS[columns.temperature_unit]
@@ -107,51 +112,9 @@ def _read_columns(path: Path, columns: Columns) -> dict[str, NDArray[np.float64]
         column = getattr(columns, name)
         if column is not None:
             wanted[name] = column
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            header = next(reader, None)
-            if header is None:
-                raise RefusedError(f"{path} is empty")
-            places = {name: _place(path, header, column) for name, column in wanted.items()}
-            rows = list(reader)[columns.skip_rows :]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RefusedError(f"{path} cannot be read as a CSV table ({error})") from None
-    rows = [row for row in rows if row]
-    if len(rows) < 2:
+    table = read_columns(path, wanted, skip_rows=columns.skip_rows)
+    if (rows := len(table["time"])) < 2:
         raise RefusedError(
-            f"{path} has {len(rows)} data rows after --skip-rows {columns.skip_rows}: a recording needs two or more"
+            f"{path} has {rows} data rows after --skip-rows {columns.skip_rows}: a recording needs two or more"
         )
-    return {name: _numbers(path, rows, place, header, columns.skip_rows) for name, place in places.items()}
-
-
-def _place(path: Path, header: list[str], column: str) -> int:
-    names = [name.strip() for name in header]
-    if column in names:
-        return names.index(column)
-    if column.isdigit() and 1 <= int(column) <= len(names):
-        return int(column) - 1
-    raise RefusedError(f"{path} has no column {column!r}: it has {', '.join(names)}")
-
-
-def _numbers(path: Path, rows: list[list[str]], place: int, header: list[str], skipped: int) -> NDArray[np.float64]:
-    try:
-        numbers = np.array([row[place] for row in rows], dtype=np.float64)
-    except (ValueError, IndexError):
-        numbers = np.array([_number(row[place]) if place < len(row) else np.nan for row in rows])
-    bad = np.flatnonzero(~np.isfinite(numbers))
-    if len(bad):
-        # One line for the header, one because lines are counted from 1.
-        line = int(bad[0]) + skipped + 2
-        raise RefusedError(
-            f"{path}, line {line}: column {header[place].strip()!r} holds no finite number: "
-            "remove the row, or leave rows out at the beginning with --skip-rows"
-        )
-    return numbers
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return float("nan")
+    return table

@@ -34,7 +34,8 @@ class Recording:
 
     stamps: (n,) ns of the accelerometer. values: (n, 6), columns CHANNELS, m/s² and rad/s.
     present: the channels that the sensor really delivers. temperature, temperature_2: °C.
-    supply_voltage: V. frame: of the accelerometer's messages. name: for messages and provenance.
+    supply_voltage: V. frame: of the accelerometer's messages. name: for messages and provenance. block: (n,) number of
+    the AccelBlock that each sample came in, None where each came in a message of its own.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Recording:
     temperature_2: Series = field(default_factory=Series.empty)
     supply_voltage: Series = field(default_factory=Series.empty)
     frame: str = "imu_link"
+    block: NDArray[np.int64] | None = None
 
     @property
     def start(self) -> int:
@@ -75,6 +77,7 @@ class Recording:
             self,
             stamps=self.stamps[inside],
             values=self.values[inside],
+            block=None if self.block is None else self.block[inside],
             temperature=self.temperature.between(first, last),
             temperature_2=self.temperature_2.between(first, last),
             supply_voltage=self.supply_voltage.between(first, last),

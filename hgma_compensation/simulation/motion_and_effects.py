@@ -9,7 +9,7 @@ from hgma_compensation.recording.csv_table import STANDARD_GRAVITY
 from hgma_compensation.simulation.description import AppliedEffect
 from hgma_compensation.simulation.effects import EFFECTS
 from hgma_compensation.simulation.motion_description import Motion, Orientation, Shock, Vibration, Waveform
-from hgma_compensation.simulation.waveform import read_waveform
+from hgma_compensation.simulation.waveform import MOST_ROWS, read_waveform
 
 Document = Mapping[str, Any]
 
@@ -23,7 +23,7 @@ def decode_motion(document: Document, folder: Path) -> Motion:
             for entry in document.get("shocks", ())
         ),
         vibrations=tuple(_vibration(entry, i) for i, entry in enumerate(document.get("vibrations", ()))),
-        waveforms=tuple(_waveform(entry, folder) for entry in document.get("waveforms", ())),
+        waveforms=_waveforms(document.get("waveforms", []), folder),
     )
 
 
@@ -39,6 +39,18 @@ def _vibration(entry: Document, index: int) -> Vibration:
             f"motion.vibrations[{index}].band must rise from above 0 Hz; twice the same number is a tone"
         )
     return Vibration(entry["start"], entry["end"], entry["axis"], entry["rms_g"] * STANDARD_GRAVITY, low, high)
+
+
+def _waveforms(entries: list[Document], folder: Path) -> tuple[Waveform, ...]:
+    made, rows = [], 0
+    for index, entry in enumerate(entries):
+        made.append(_waveform(entry, folder))
+        rows += len(made[-1].times)
+        if rows > MOST_ROWS:
+            raise RefusedError(
+                f"motion.waveforms[{index}]: the files have more than {MOST_ROWS} rows together: cut them"
+            )
+    return tuple(made)
 
 
 def _waveform(entry: Document, folder: Path) -> Waveform:

@@ -2,13 +2,15 @@
 
 import math
 from pathlib import Path
-from typing import Any
-
-import yaml
+from typing import Any, cast
 
 from hgma_compensation import schema_check
+from hgma_compensation.bounded_files import read_text
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.plain_values import check_plain
+from hgma_compensation.plain_yaml import load_plain
 from hgma_compensation.simulation.description import Axis, FirstMode, Oven, Scenario, Step
+from hgma_compensation.simulation.effects.telegraph_noise import TelegraphNoise
 from hgma_compensation.simulation.motion_and_effects import decode_effects, decode_motion
 from hgma_compensation.simulation.oven import GRID
 from hgma_compensation.simulation.sections import (
@@ -30,21 +32,10 @@ def read_scenario(path: Path) -> Scenario:
     """Return the scenario in a YAML file; raises RefusedError naming the field that is wrong."""
     path = Path(path)
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise RefusedError(f"scenario {path} is larger than {LARGEST_FILE} bytes")
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise RefusedError(
-            f"scenario {path} cannot be read ({error.strerror}): give a YAML file such as those in params/"
-        ) from None
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise RefusedError(f"scenario {path} is no YAML: {error}") from None
-    try:
+        document = load_plain(read_text(path, LARGEST_FILE))
+        check_plain(document)
         schema_check.check(document, schema_check.load_schema(__package__, "scenario.schema.json"))
-        path_of_bad = schema_check.find_non_finite(document)
-        if path_of_bad is not None:
-            raise RefusedError(f"{path_of_bad} is not finite")
-        return _decode(path, document)
+        return _decode(path, cast(dict[str, Any], document))
     except RefusedError as refusal:
         raise RefusedError(f"scenario {path}: {refusal}") from None
 
@@ -75,6 +66,7 @@ def _decode(path: Path, document: dict[str, Any]) -> Scenario:
         ground_truth=document.get("ground_truth", False),
     )
     _check_length(scenario)
+    _check_switches(scenario)
     check_times(document, oven.duration)
     return scenario
 
@@ -90,3 +82,14 @@ def _check_length(scenario: Scenario) -> None:
             f"oven.program lasts {duration:g} s, which makes {duration * max(*rates, 1.0 / GRID):.0f} samples: "
             f"2 to {MOST_SAMPLES} fit"
         )
+
+
+def _check_switches(scenario: Scenario) -> None:
+    for index, applied in enumerate(scenario.effects):
+        if isinstance(effect := applied.effect, TelegraphNoise):
+            switches = scenario.oven.duration * 2.0 / (effect.mean_low + effect.mean_high)
+            if switches > MOST_SAMPLES:
+                raise RefusedError(
+                    f"effects[{index}] switches {switches:.3g} times: give mean_low and mean_high that make it "
+                    f"{MOST_SAMPLES} at most"
+                )

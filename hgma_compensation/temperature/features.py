@@ -63,11 +63,13 @@ class Features:
     values: (n, 3), columns NAMES in UNITS; NaN where no thermistor sample has come yet.
     age: (n,) s since the thermistor sample used, infinite before the first.
     since_power_on: (n,) s since the first thermistor sample after the power-on, -infinity before the very first.
+    unusable: (n,) whether the newest sample could not be used, or looks broken.
     """
 
     values: NDArray[np.float64]
     age: NDArray[np.float64]
     since_power_on: NDArray[np.float64]
+    unusable: NDArray[np.bool_]
 
 
 def read_features(track: TemperatureTrack | Updates, settings: FeatureSettings, stamps: Stamps) -> Features:
@@ -84,4 +86,4 @@ def read_features(track: TemperatureTrack | Updates, settings: FeatureSettings, 
     values[:, 2] = temperature * difference
     values[np.isinf(age)] = np.nan
     since_power_on = np.where(np.isinf(age), -np.inf, track.since_power_on(stamps, latency))
-    return Features(values, age, since_power_on)
+    return Features(values, age, since_power_on, track.last_is_unusable(stamps, latency))

@@ -49,17 +49,26 @@ class UpdateTable:
         """Values (n, width)."""
         return self._values[: self._size]
 
-    def append(self, stamp: int, power_on: int, values: Array) -> None:
-        """Add a row of values (width,)."""
+    def append(self, stamp: int, power_on: int, values: Array, needed_from: int) -> None:
+        """Add a row of values (width,); needed_from: stamp whose history, too, is to be held on to, ns."""
         if self._size == len(self._stamps):
-            self._make_room(stamp)
+            self._make_room(min(stamp, needed_from))
         self._stamps[self._size], self._power_on[self._size] = stamp, power_on
         self._values[self._size] = values
         self._size += 1
 
-    def _make_room(self, newest: int) -> None:
+    def truncate(self, rows: int) -> None:
+        """Drop all rows but the first ones."""
+        self._size = rows
+
+    def shift(self, nanoseconds: int) -> None:
+        """Move the stamps of all rows."""
+        self.stamps[:] += nanoseconds
+        self.power_on[:] += nanoseconds
+
+    def _make_room(self, now: int) -> None:
         """Drop what is older than the history to keep; grow only if that frees less than half."""
-        drop = 0 if self._keep is None else self.reachable(newest - self._keep)
+        drop = 0 if self._keep is None else self.reachable(now - self._keep)
         kept = self._size - drop
         capacity = len(self._stamps) if 2 * kept <= self._size else 2 * len(self._stamps)
         self.hold(self.stamps[drop:], self.power_on[drop:], self.values[drop:], capacity)

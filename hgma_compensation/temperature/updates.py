@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 from hgma_compensation.effects.memory import POWER_OFF as POWER_OFF_SECONDS
 from hgma_compensation.effects.memory import TemperatureMemory
-from hgma_compensation.stamps import Stamps, seconds_between, to_nanoseconds
+from hgma_compensation.stamps import NANOSECONDS, Stamps, seconds_between, to_nanoseconds
 from hgma_compensation.temperature.limited_memory import LimitedMemory
+from hgma_compensation.temperature.unusable import UnusableStamps
 from hgma_compensation.temperature.update_table import UpdateTable
+from hgma_compensation.time_jumps import RECALL, StepBack, step_back
 
 Array = NDArray[np.float64]
 
@@ -42,11 +44,14 @@ class Updates:
         """
         self._memory = LimitedMemory(memory, limits)
         self._table = UpdateTable(2 + self._memory.size, keep)
+        self.unusable = UnusableStamps(bounded=keep is not None)
         self.reset()
 
     def reset(self) -> None:
         """Forget all updates."""
         self._table.clear()
+        self.unusable.clear()
+        self._pause: tuple[int, int] | None = None
         self.first: int | None = None
         self.first_temperature = 0.0
         self._equilibrium = np.full(self._memory.size, np.nan)
@@ -83,11 +88,45 @@ class Updates:
             power_on = stamp if self._powered_before is None else self._powered_before
             state = self._equilibrium
         else:
-            power_on = stamp if self.is_power_on(stamp) else int(self._table.power_on[-1])
-            seconds = np.array([(stamp - last) * 1e-9])
-            before = self._table.values[-1:, 0]
+            power_on = int(self._table.power_on[-1])
+            if self.is_power_on(stamp):
+                power_on, self._pause = stamp, (last, stamp)
+            seconds, before = np.array([(stamp - last) * 1e-9]), self._table.values[-1:, 0]
             state = self._memory.advance(self._table.values[-1:, 2:], seconds, before, np.array([temperature]))[0]
-        self._table.append(stamp, power_on, np.array([temperature, rate, *state]))
+        if self._pause is not None and stamp - self._pause[1] > RECALL:
+            self._pause = None
+        needed_from = stamp if self._pause is None else self._pause[0]
+        self._table.append(stamp, power_on, np.array([temperature, rate, *state]), needed_from)
+
+    def step_back(self, stamp: int) -> StepBack | None:
+        """Return what a stamp (ns) before the newest update means; None where it shows that one to have been wrong.
+
+        That is a stamp which goes on after the last update before a pause, soon after that pause.
+        """
+        assert self.last is not None
+        assert self.first is not None
+        meaning = step_back(stamp, self.last, self.first)
+        continues = self._pause is not None and stamp > self._pause[0]
+        return None if continues and meaning is not StepBack.LATE else meaning
+
+    def recall(self) -> None:
+        """Forget the updates since the last pause."""
+        assert self._pause is not None
+        before = self._pause[0]
+        self._table.truncate(int(self._table.stamps.searchsorted(before, side="right")))
+        self.unusable.forget_after(before)
+        self._pause = None
+
+    def set_back(self, stamp: int) -> None:
+        """Move all updates to a clock that was set back, so that ``stamp`` (ns) comes an interval after the newest."""
+        assert self.last is not None
+        assert self.first is not None
+        stamps = self._table.stamps
+        interval = int(stamps[-1] - stamps[-2]) if len(stamps) > 1 else NANOSECONDS
+        back = self.last + min(interval, POWER_OFF) - stamp
+        self._table.shift(-back)
+        self.unusable.shift(-back)
+        self.first, self._pause = self.first - back, None
 
     def extend(self, stamps: Iterable[int], temperature: Iterable[float], rate: Iterable[float]) -> None:
         """Take many updates, as ``append`` would one after the other."""
@@ -145,6 +184,14 @@ class Updates:
             return np.zeros(len(stamps))
         since = seconds_between(stamps, self._table.power_on[self._table.used(stamps, latency)])
         return np.where(stamps < self._table.stamps[0], 0.0, since)
+
+    def last_is_unusable(self, stamps: Stamps, latency: int) -> NDArray[np.bool_]:
+        """Return (n,) whether an unusable sample as old as the latency (ns) is newer than the update in use."""
+        if not len(self.unusable):
+            return np.zeros(len(stamps), dtype=np.bool_)
+        if not len(self):
+            return self.unusable.at_or_after(np.zeros(len(stamps), dtype=np.int64), stamps - latency)
+        return self.unusable.at_or_after(self._table.stamps[self._table.used(stamps, latency)], stamps - latency)
 
     def snapshot(self, reach: int) -> dict[str, Any]:
         """Return, as plain JSON, all that readings within ``reach`` ns of the newest update depend on."""

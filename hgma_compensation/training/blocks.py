@@ -37,9 +37,9 @@ def block_means(
 ) -> Blocks:
     """Return the means of samples over blocks of the given length (s).
 
-    Samples before the trend filter has settled after a power-on, or without a recent thermistor sample, are left
-    out. Features are those of the node, causal; before the history since a power-on covers the delay of ΔT they
-    assume, as the node does, that the temperature was steady before.
+    Samples before the trend filter has settled after a power-on, without a recent thermistor sample, or with one that
+    looks broken, are left out. Features are those of the node, causal; before the history since a power-on covers the
+    delay of ΔT they assume, as the node does, that the temperature was steady before.
     Raises RefusedError where too little is left to fit anything.
     """
     parts = [_of_recording(r, number, channels, settings, seconds) for number, r in enumerate(recordings)]
@@ -67,6 +67,7 @@ def _of_recording(
     usable = (
         (features.since_power_on >= settings.prediction_horizon)
         & (features.age <= settings.prediction_horizon)
+        & ~features.unusable
         & np.isfinite(values).all(axis=1)
     )
     time = seconds_between(recording.stamps, recording.start)[usable]

@@ -52,8 +52,11 @@ def feature_settings(
 
 
 def usable(series: Series) -> Series:
-    """Return the plausible samples whose stamps exceed all before them; a recording is taken as one run."""
-    good = (series.values >= PLAUSIBLE_CELSIUS[0]) & (series.values <= PLAUSIBLE_CELSIUS[1])
+    """Return the plausible samples whose stamps exceed all before them; a recording is taken as one run.
+
+    Jumps are left in: telling them takes the noise, which is fitted to a median that is deaf to them.
+    """
+    good = (series.stamps > 0) & (series.values >= PLAUSIBLE_CELSIUS[0]) & (series.values <= PLAUSIBLE_CELSIUS[1])
     stamps, values = series.stamps[good], series.values[good]
     if not len(stamps):
         return Series.empty()

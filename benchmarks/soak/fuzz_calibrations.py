@@ -1,0 +1,84 @@
+"""Fuzzes the parser of calibrations: python -m benchmarks.soak.fuzz_calibrations --count 1000000 --seed 1 --jobs 2.
+
+Documents are made in slices, each from the seeds in test/fuzz_corpus and what it finds by itself, so that the same seed
+gives the same documents with any number of jobs. Exit code 1 where anything was found; --findings keeps the documents.
+"""
+
+import argparse
+import hashlib
+import sys
+import time
+from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
+from pathlib import Path
+
+from benchmarks.soak.fuzz.slice import Outcome, run
+
+CORPUS = Path(__file__).parents[2] / "test" / "fuzz_corpus" / "calibrations"
+SLICE = 20_000
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the fuzzer and print a table; return 1 where a document crashed, hung, or was accepted wrongly."""
+    options = _options(arguments)
+    seeds = [path.read_bytes() for path in sorted(CORPUS.iterdir())]
+    sizes = [min(SLICE, options.count - start) for start in range(0, options.count, SLICE)]
+    began, total = time.monotonic(), Outcome()
+    with ProcessPoolExecutor(options.jobs, get_context("spawn")) as pool:
+        slices = {pool.submit(run, seeds, size, number, options.seed): number for number, size in enumerate(sizes)}
+        for done in as_completed(slices):
+            try:
+                _add(total, done.result())
+            except BrokenProcessPool:
+                total.findings.append((f"a process died in one of the slices, at the latest in {slices[done]}", b""))
+            print(_progress(total, options.count, time.monotonic() - began), flush=True)
+    _save(total, options.findings)
+    print(_table(total, time.monotonic() - began))
+    return 1 if total.findings else 0
+
+
+def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=1_000_000, help="documents")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2, help="processes")
+    parser.add_argument("--findings", type=Path, help="folder for the documents that something is wrong with")
+    return parser.parse_args(arguments)
+
+
+def _add(total: Outcome, part: Outcome) -> None:
+    total.counts.update(part.counts)
+    total.signatures |= part.signatures
+    total.findings += part.findings
+    total.slowest = max(total.slowest, part.slowest)
+
+
+def _progress(total: Outcome, count: int, seconds: float) -> str:
+    done = sum(total.counts.values())
+    return f"{done} of {count}, {done / seconds:.0f}/s, {len(total.findings)} findings"
+
+
+def _save(total: Outcome, folder: Path | None) -> None:
+    if folder is not None and total.findings:
+        folder.mkdir(parents=True, exist_ok=True)
+        for _, content in total.findings:
+            (folder / f"{hashlib.sha256(content).hexdigest()[:16]}.json").write_bytes(content)
+
+
+def _table(total: Outcome, seconds: float) -> str:
+    done, by_problem = sum(total.counts.values()), Counter(ascii(problem)[:160] for problem, _ in total.findings)
+    rows = ["", "| class | accepted | refused | crashed |", "| --- | ---: | ---: | ---: |"]
+    for kind in sorted({kind for kind, _ in total.counts}):
+        figures = " | ".join(str(total.counts[kind, verdict]) for verdict in ("accepted", "refused", "crashed"))
+        rows.append(f"| {kind} | {figures} |")
+    rows += ["", f"{done} documents in {seconds:.0f} s, {done / seconds:.0f} per second"]
+    rows.append(f"{len(total.signatures)} different answers, the slowest document took {total.slowest:.3f} s")
+    rows.append(f"{len(total.findings)} findings")
+    return "\n".join(rows + [f"  {count} x {problem}" for problem, count in by_problem.most_common(40)])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

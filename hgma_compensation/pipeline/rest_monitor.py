@@ -1,0 +1,121 @@
+"""Notices that a calibration no longer fits its sensor, from what is left of the acceleration at rest.
+
+Judged over means of 5 s, as the calibration's own error is. Two ways of being wrong show at rest:
+the residual moves while the temperature does, or its level is off by more than any tilt of the sensor explains.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration
+from hgma_compensation.channels import GROUPS, group_of
+from hgma_compensation.stamps import Stamps, to_nanoseconds
+
+Array = NDArray[np.float64]
+
+BLOCK = to_nanoseconds(5.0)
+WINDOW = 720
+"""Blocks that are judged at most: an hour."""
+
+CALM = 3.0
+"""Times the noise that a block's samples scatter at rest at the most."""
+
+STEP = 6.0
+"""Standard deviations between two blocks that are a new position, not drift."""
+
+LEAST_BLOCKS, LEAST_CELSIUS = 24, 2.0
+"""At rest in one position, with that change of the temperature, before the residual is judged: 2 min."""
+
+WORSE = 3.0
+"""Times its own error that a calibration may show."""
+
+TILT = {GROUPS[0]: 2.0 * 9.80665, GROUPS[1]: 0.0}
+"""Change of the level at rest by turning the sensor over, m/s² and rad/s."""
+
+
+@dataclass(frozen=True)
+class Residual:
+    """What one channel shows at rest. rms: about its mean. own: the calibration's error; all in the channel's unit."""
+
+    channel: str
+    level: float
+    rms: float
+    own: float
+    fits: bool
+
+
+class RestMonitor:
+    """Follows the output of the drift model; the Kalman stage would hide what it looks for."""
+
+    def __init__(self, calibration: Calibration) -> None:
+        """Take the errors that the calibration knows of itself."""
+        self._channels = calibration.channels
+        self._references = np.array([channel.reference for channel in self._channels])
+        self._noise = np.array([channel.error.noise for channel in self._channels])
+        self._own = np.array([channel.error.unseen for channel in self._channels])
+        self._means: deque[Array] = deque(maxlen=WINDOW)
+        self._temperatures: deque[float] = deque(maxlen=WINDOW)
+        self._begin(0)
+
+    def reset(self) -> None:
+        """Forget all samples."""
+        self._leave()
+        self._begin(0)
+
+    def take(self, stamps: Stamps, corrected: Array, temperature: Array, usable: bool) -> None:
+        """Take samples less their drift (n, c) at stamps (n,) in ns, and the temperature (n,) in °C.
+
+        usable: whether the temperature was what the calibration knows; what is not is not judged.
+        """
+        first, last = int(stamps[0]), int(stamps[-1])
+        if not usable or not 0 <= first - self._start < 2 * BLOCK:
+            if not usable or self._count:
+                self._leave()
+            self._begin(first)
+            if not usable:
+                return
+        residual = corrected - self._references
+        self._count += len(residual)
+        self._sum += residual.sum(axis=0)
+        self._squares += (residual * residual).sum(axis=0)
+        if last - self._start >= BLOCK:
+            self._end_block(float(temperature[-1]))
+            self._begin(last)
+
+    def _begin(self, stamp: int) -> None:
+        self._start, self._count = stamp, 0
+        self._sum, self._squares = np.zeros(len(self._own)), np.zeros(len(self._own))
+
+    def _leave(self) -> None:
+        """The sensor has moved, or what it showed cannot be judged: what follows is another position."""
+        self._means.clear()
+        self._temperatures.clear()
+
+    def _end_block(self, temperature: float) -> None:
+        mean = self._sum / self._count
+        scatter = np.sqrt(np.maximum(self._squares / self._count - mean * mean, 0.0))
+        if np.any(scatter > CALM * self._noise * np.sqrt(self._count)):
+            return self._leave()
+        if self._means and np.any(np.abs(mean - self._means[-1]) > STEP * np.sqrt(2.0) * self._own):
+            self._leave()
+        self._means.append(mean)
+        self._temperatures.append(temperature)
+
+    def residuals(self) -> list[Residual]:
+        """Return what each channel shows at rest, nothing before there is enough to judge."""
+        if len(self._means) < LEAST_BLOCKS:
+            return []
+        means = np.array(self._means)
+        level = means.mean(axis=0)
+        rms = np.sqrt(np.mean((means - level) ** 2, axis=0))
+        return [self._judge(*row) for row in zip(self._channels, level.tolist(), rms.tolist(), strict=True)]
+
+    def _judge(self, channel: ChannelCalibration, level: float, rms: float) -> Residual:
+        own = channel.error.unseen
+        moved = max(self._temperatures) - min(self._temperatures) >= LEAST_CELSIUS
+        drifts = moved and rms > WORSE * own
+        off = abs(level) > WORSE * own + TILT[group_of(channel.name)]
+        return Residual(channel.name, level, rms, own, fits=not (drifts or off))

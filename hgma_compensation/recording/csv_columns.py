@@ -1,0 +1,79 @@
+"""Columns of numbers out of a CSV file, row by row, so that only the numbers are held."""
+
+import csv
+import io
+from array import array
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.bounded_files import lines_of, open_regular
+from hgma_compensation.errors import RefusedError
+
+MOST_ROWS = 200_000_000
+"""Two days at 1 kHz."""
+
+ROW_REMEDY = "remove the row, or leave rows out at the beginning with --skip-rows"
+
+
+def read_columns(
+    path: Path,
+    columns: Mapping[str, str],
+    *,
+    skip_rows: int = 0,
+    most_rows: int = MOST_ROWS,
+    remedy: str = ROW_REMEDY,
+) -> dict[str, NDArray[np.float64]]:
+    """Return the columns (n,) under the names of the mapping, whose values are header names or numbers from 1 on.
+
+    skip_rows: data rows to leave out at the beginning; rows without a field do not count. Raises RefusedError naming
+    the line and column of what is no finite number, a column that is missing, and a file that is no table.
+    """
+    try:
+        with open_regular(path) as file, io.TextIOWrapper(file, encoding="utf-8-sig", newline="") as text:
+            reader = csv.reader(lines_of(text, path))
+            header = next(reader, None)
+            if header is None:
+                raise RefusedError(f"{path} is empty")
+            names = [name.strip() for name in header]
+            places = [_place(path, names, column) for column in columns.values()]
+            numbers = [array("d") for _ in places]
+            for index, row in enumerate(reader):
+                if index < skip_rows or not row:
+                    continue
+                _append(path, reader.line_num, row, places, numbers, names, remedy)
+                if len(numbers[0]) > most_rows:
+                    raise RefusedError(f"{path} has more than {most_rows} rows: cut it into parts")
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise RefusedError(f"{path} cannot be read as a CSV table ({error})") from None
+    return {name: np.frombuffer(column, dtype=np.float64) for name, column in zip(columns, numbers, strict=True)}
+
+
+def _place(path: Path, names: list[str], column: str) -> int:
+    if column in names:
+        return names.index(column)
+    if column.isdecimal() and len(column) < 10 and 1 <= int(column) <= len(names):
+        return int(column) - 1
+    raise RefusedError(f"{path} has no column {column!r}: it has {', '.join(names)}")
+
+
+def _append(
+    path: Path,
+    line: int,
+    row: Sequence[str],
+    places: Sequence[int],
+    numbers: Sequence["array[float]"],
+    names: Sequence[str],
+    remedy: str,
+) -> None:
+    for place, column in zip(places, numbers, strict=True):
+        try:
+            value = float(row[place])
+        except (ValueError, IndexError):
+            value = float("nan")
+        if not isfinite(value):
+            raise RefusedError(f"{path}, line {line}: column {names[place]!r} holds no finite number: {remedy}")
+        column.append(value)
