@@ -17,6 +17,7 @@ def generate_launch_description() -> LaunchDescription:
         "temperature": ("accel/temperature", "Topic of the thermistor's sensor_msgs/Temperature"),
         "compensated": ("accel/compensated", "Topic of the compensated sensor_msgs/Imu"),
         "use_sim_time": ("false", "Follow /clock"),
+        "respawn": ("true", "Start the node anew after it has ended by an error of its own"),
     }
     node = LifecycleNode(
         package="hgma_compensation",
@@ -24,6 +25,8 @@ def generate_launch_description() -> LaunchDescription:
         name="compensation_node",
         namespace=LaunchConfiguration("namespace"),
         output="screen",
+        respawn=LaunchConfiguration("respawn"),
+        respawn_delay=2.0,
         parameters=[
             {
                 "calibration_file": ParameterValue(LaunchConfiguration("calibration_file"), value_type=str),

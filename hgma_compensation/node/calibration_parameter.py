@@ -3,29 +3,27 @@
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.node.parameters import CALIBRATION_FILE
 
-NAME = "calibration_file"
-DESCRIPTION = "Calibration (JSON written by hgma train); may be set at any time, a refused file changes nothing"
+NAME = CALIBRATION_FILE.name
 
 
 class CalibrationParameter:
     """Reads the file in rclpy's on-set callback, hands the calibration over in its post-set callback."""
 
     def __init__(self, node: Node, use: Callable[[Calibration], None]) -> None:
-        """Declare the parameter; ``use`` is called with each calibration that was accepted."""
+        """Follow the parameter, which is declared; ``use`` is called with each calibration that was accepted."""
         self._node, self._use = node, use
         self._prepared: Calibration | None = None
         self.accepted: Calibration | None = None
         self.refusal = ""
-        # Declared before the callbacks exist: the file given at the start is read when the node configures.
-        node.declare_parameter(NAME, "", ParameterDescriptor(description=DESCRIPTION))
         node.add_on_set_parameters_callback(self._validate)
         node.add_post_set_parameters_callback(self._apply)
 

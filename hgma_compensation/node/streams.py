@@ -1,7 +1,6 @@
 """The node's sample topics: raw messages in, compensated messages and states out."""
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from rclpy.lifecycle import LifecycleNode
@@ -20,7 +19,8 @@ from hgma_compensation.messages import (
     stamp_of,
     widen_block,
 )
-from hgma_compensation.node.interfaces import INPUT_QOS, OUTPUT_QOS, drain, overridable
+from hgma_compensation.node.endpoints import Endpoints
+from hgma_compensation.node.losses import CountedInput
 from hgma_compensation.pipeline.live import LiveCompensation, LiveResult, single_sample
 from hgma_compensation.pipeline.reasons import Note, Skip
 from hgma_compensation.pipeline.state_fields import state_fields
@@ -36,19 +36,15 @@ class Streams:
 
     def __init__(self, node: LifecycleNode, live: LiveCompensation) -> None:
         """Take the node that owns the topics, which are not open yet."""
-        self._node, self._live = node, live
+        self._live = live
         self.publishing, self.frame_id = False, ""
         self._frame: str | None = None
-        self._slow: list[tuple[Any, Callable[[Any], None]]] = []
-        self._fast: list[Any] = []
-        self._publishers: list[Any] = []
+        self.endpoints = Endpoints(node, live.counts)
+        self._slow: list[tuple[CountedInput, Callable[[Any], None]]] = []
 
     def open(self) -> None:
         """Create subscriptions and publishers."""
-        subscribe = partial(self._node.create_subscription, qos_profile=INPUT_QOS, qos_overriding_options=overridable())
-        publish = partial(
-            self._node.create_lifecycle_publisher, qos_profile=OUTPUT_QOS, qos_overriding_options=overridable()
-        )
+        subscribe, publish = self.endpoints.subscribe, self.endpoints.publish
         # The slow inputs first: where both wait, the executor then serves them before the accelerometer.
         self._slow = [
             (subscribe(message_type, topic, take), take)
@@ -59,19 +55,15 @@ class Streams:
             )
         ]
         self._raw = subscribe(Imu, topics.RAW, self._on_raw)
-        self._fast = [self._raw, subscribe(AccelBlock, topics.RAW_BLOCK, self._on_raw_block)]
+        subscribe(AccelBlock, topics.RAW_BLOCK, self._on_raw_block)
         self._compensated = publish(Imu, topics.COMPENSATED)
         self._compensated_block = publish(AccelBlock, topics.COMPENSATED_BLOCK)
         self._states = publish(CompensationState, topics.STATE)
-        self._publishers = [self._compensated, self._compensated_block, self._states]
 
     def close(self) -> None:
         """Destroy what ``open`` created; nothing where it is closed."""
-        for subscription in (*(slow for slow, _ in self._slow), *self._fast):
-            self._node.destroy_subscription(subscription)
-        for publisher in self._publishers:
-            self._node.destroy_lifecycle_publisher(publisher)
-        self._slow, self._fast, self._publishers = [], [], []
+        self.endpoints.close()
+        self._slow = []
 
     def _take_temperature(self, message: Temperature) -> None:
         self._live.add_temperature(stamp_of(message), message.temperature)
@@ -88,12 +80,12 @@ class Streams:
         Called after accelerations were taken and before they are compensated: a slow sample that was sent before one
         of them is then among those taken here.
         """
-        for subscription, take in self._slow:
-            for message in drain(subscription):
+        for waiting, take in self._slow:
+            for message in waiting.drain():
                 take(message)
 
     def _on_raw(self, message: Imu) -> None:
-        waiting = [message, *drain(self._raw)]
+        waiting = [message, *self._raw.drain()]
         self._drain_slow()
         for taken in waiting:
             self._compensate(taken)
