@@ -41,6 +41,7 @@ def refused(environment, *arguments, command=NODE):
     [
         ("autostart:=banana", ["autostart", "true or false", "banana"]),
         ("calibration_file:=7", ["calibration_file", "a text", "7"]),
+        ("on_bad_temperature:=guess", ["on_bad_temperature", "'guess'", "continue, stop"]),
         ("use_sim_time:=later", ["use_sim_time", "later", "BOOL"]),
         ("qos_overrides./accel/raw.subscription.reliability:=good", ["/accel/raw", "'good'", "best_effort"]),
         ("qos_overrides./accel/raw.subscription.depth:=0", ["depth", "1 or more"]),

@@ -12,6 +12,7 @@ from hgma_compensation.node.managed_node import ManagedNode, reported
 from hgma_compensation.node.ros_clock import RosClock
 from hgma_compensation.node.streams import Streams
 from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.status import UNUSABLE
 from hgma_msgs.srv import LoadCalibration
 
 DIAGNOSTIC_PERIOD = 1.0
@@ -32,7 +33,9 @@ class CompensationNode(ManagedNode):
         parameters.warn_of_unknown(self, qos=False)
         self._autostart = bool(self.get_parameter(parameters.AUTOSTART.name).value)
         self._live = LiveCompensation()
-        self._streams = Streams(self, self._live)
+        if self.get_parameter(parameters.ON_BAD_TEMPERATURE.name).value == "stop":
+            self._live.stop_on = UNUSABLE
+        self._streams = Streams(self, self._live, frame_id=str(self.get_parameter(parameters.FRAME_ID.name).value))
         self._state = "unconfigured"
         self._calibration = CalibrationParameter(self, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)

@@ -18,18 +18,24 @@ QOS_PREFIX = "qos_overrides."
 
 @dataclass(frozen=True)
 class ParameterRow:
-    """One parameter. bounds: lowest and highest value of a number. read_only: fixed once the node has started."""
+    """One parameter. read_only: fixed once the node has started.
+
+    bounds: lowest and highest value of a number. choices: the values of a text, where it is one of a few.
+    """
 
     name: str
     default: Value
     description: str
     read_only: bool = False
     bounds: tuple[float, float] | None = None
+    choices: tuple[str, ...] = ()
 
     def descriptor(self) -> ParameterDescriptor:
         """Return what ``ros2 param describe`` shows."""
         kind = Parameter.Type.from_parameter_value(self.default).value
         descriptor = ParameterDescriptor(description=self.description, read_only=self.read_only, type=kind)
+        if self.choices:
+            descriptor.additional_constraints = f"one of {', '.join(self.choices)}"
         if self.bounds is not None and isinstance(self.default, float):
             lower, upper = self.bounds
             descriptor.floating_point_range = [FloatingPointRange(from_value=float(lower), to_value=float(upper))]
@@ -45,9 +51,22 @@ CALIBRATION_FILE = ParameterRow(
     "Calibration (JSON written by hgma train); may be set at any time, a refused file changes nothing",
 )
 AUTOSTART = ParameterRow("autostart", True, "Configure and activate at start-up", read_only=True)
+FRAME_ID = ParameterRow(
+    "frame_id",
+    "",
+    "header.frame_id that the accelerometer's messages must have, others are skipped; empty: any, a change is said",
+    read_only=True,
+)
+ON_BAD_TEMPERATURE = ParameterRow(
+    "on_bad_temperature",
+    "continue",
+    "Samples whose temperature is stale, missing, invalid or out of range: continue with a held drift, or stop",
+    read_only=True,
+    choices=("continue", "stop"),
+)
 USE_SIM_TIME = ParameterRow("use_sim_time", False, "Take the time of the diagnostics from /clock")
 
-PARAMETERS = (CALIBRATION_FILE, AUTOSTART, USE_SIM_TIME)
+PARAMETERS = (CALIBRATION_FILE, AUTOSTART, FRAME_ID, ON_BAD_TEMPERATURE, USE_SIM_TIME)
 """All of them, in the order of params/compensation.yaml."""
 
 _EXAMPLES = {bool: "true or false", int: "a whole number", float: "a number with a decimal point", str: "a text"}
@@ -71,6 +90,9 @@ def declare(node: Node) -> None:
                 node.declare_parameter(row.name, row.default, row.descriptor())
         except ParameterException as error:
             raise RefusedError(f"parameter {row.name} must be {_wanted(row)}: {error}") from error
+        value = node.get_parameter(row.name).value
+        if row.choices and value not in row.choices:
+            raise RefusedError(f"parameter {row.name} is {value!r}: write one of {', '.join(row.choices)}")
     for name, value in given(node).items():
         if name.startswith(QOS_PREFIX):
             check_qos_override(name, value)

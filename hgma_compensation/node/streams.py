@@ -30,14 +30,16 @@ from hgma_msgs.msg import AccelBlock, CompensationState, SupplyVoltage
 class Streams:
     """Subscriptions and publishers between ``open`` and ``close``; what comes is given to a LiveCompensation.
 
-    publishing: whether samples get an output; the slow inputs are followed in any case. frame_id: the one that messages
-    of the accelerometer must have, "" for any.
+    publishing: whether samples get an output; the slow inputs are followed in any case.
     """
 
-    def __init__(self, node: LifecycleNode, live: LiveCompensation) -> None:
-        """Take the node that owns the topics, which are not open yet."""
+    def __init__(self, node: LifecycleNode, live: LiveCompensation, *, frame_id: str) -> None:
+        """Take the node that owns the topics, which are not open yet.
+
+        frame_id: the one that messages of the accelerometer must have, "" for any.
+        """
         self._live = live
-        self.publishing, self.frame_id = False, ""
+        self.publishing, self._wanted_frame = False, frame_id
         self._frame: str | None = None
         self.endpoints = Endpoints(node, live.counts)
         self._slow: list[tuple[CountedInput, Callable[[Any], None]]] = []
@@ -110,7 +112,7 @@ class Streams:
         if not self.publishing:
             return Skip.NOT_ACTIVE
         if header.frame_id != self._frame:
-            if self.frame_id not in ("", header.frame_id):
+            if self._wanted_frame not in ("", header.frame_id):
                 return Skip.OTHER_FRAME
             self._frame = header.frame_id
             self._live.begin_frame(header.frame_id)
