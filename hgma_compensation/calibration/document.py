@@ -16,6 +16,9 @@ from hgma_compensation.regular_file import read_regular_file
 LARGEST_FILE = 1 << 20
 """Bytes. Six channels with the largest networks, and 64 effects with all their gains, take 0.8 of it."""
 
+MOST_COMMAS = 60_000
+"""In a file; the largest calibration has half of it. Bounds what there is to make of it, and to throw away."""
+
 LONGEST_SHOWN = 300
 """Characters of a path in a refusal."""
 
@@ -101,7 +104,10 @@ def _check_id(document: Document) -> None:
 
 def _parse_json(content: bytes) -> Any:
     try:
-        document = json_text.parse(content.decode("utf-8"), object_pairs=_unique, constant=_refuse_constant)
+        text = content.decode("utf-8")
+        if text.count(",") > MOST_COMMAS:
+            raise RefusedError("has far more elements than a calibration: give the JSON file written by hgma train")
+        document = json_text.parse(text, object_pairs=_unique, constant=_refuse_constant)
     except RefusedError:
         raise
     except UnicodeDecodeError:

@@ -5,11 +5,12 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import Trigger
 
-from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.node.calibration_loader import CalibrationLoader
 from hgma_compensation.node.calibration_parameter import CalibrationParameter
 from hgma_compensation.node.diagnostics import DiagnosticReport
 from hgma_compensation.node.streams import Streams
 from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.prepared import Prepared
 from hgma_msgs.srv import LoadCalibration
 
 DIAGNOSTIC_PERIOD = 1.0
@@ -30,7 +31,8 @@ class CompensationNode(LifecycleNode):
         self._live = LiveCompensation()
         self._streams = Streams(self, self._live)
         self._state = "unconfigured"
-        self._calibration = CalibrationParameter(self, self._accept)
+        loader = CalibrationLoader(self, self._live, self._streams.serve)
+        self._calibration = CalibrationParameter(self, loader, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
         self.create_service(Trigger, "~/reset", self._on_reset)
         self._report = DiagnosticReport(f"{self.get_fully_qualified_name().lstrip('/')}: compensation")
@@ -53,10 +55,10 @@ class CompensationNode(LifecycleNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Read the calibration, if one is set, and open the topics; a refused file fails the transition."""
         if self._calibration.path:
-            calibration = self._calibration.read()
-            if calibration is None:
+            prepared = self._calibration.read()
+            if prepared is None:
                 return TransitionCallbackReturn.FAILURE
-            self._use(calibration)
+            self._use(prepared)
         self._streams.open()
         self._enter("inactive")
         return super().on_configure(state)
@@ -98,16 +100,17 @@ class CompensationNode(LifecycleNode):
 
     # Calibration, reset, diagnostics ----------------------------------------------------------------
 
-    def _accept(self, calibration: Calibration) -> None:
+    def _accept(self, prepared: Prepared) -> None:
         """Take a calibration that was set; a node whose first one was refused starts with it."""
         if self._state == "unconfigured":
             self.start()
         else:
-            self._use(calibration)
+            self._use(prepared)
 
-    def _use(self, calibration: Calibration) -> None:
+    def _use(self, prepared: Prepared) -> None:
         """Swap the calibration; callbacks run one at a time, so this happens between two samples."""
-        self._live.install(calibration)
+        self._live.adopt(prepared)
+        calibration = prepared.pipeline.calibration
         self.get_logger().info(f"using calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
 
     def _on_load(

@@ -1,5 +1,6 @@
 """Entry point of ``compensation_node`` and ``hgma node``."""
 
+import gc
 import signal
 import sys
 import threading
@@ -13,6 +14,9 @@ from hgma_compensation.node.compensation_node import CompensationNode
 
 STOP_LATENCY = 0.2
 """s after which a signal is noticed at the latest."""
+
+GIVE_WAY = 1e-4
+"""s for which a thread that reads a calibration may keep the interpreter from the one that compensates."""
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -28,6 +32,7 @@ def main(args: Sequence[str] | None = None) -> int:
     executor.add_node(node)
     try:
         node.start()
+        share_interpreter()
         while not stop.is_set() and rclpy.ok():
             executor.spin_once(timeout_sec=STOP_LATENCY)
     except ExternalShutdownException:
@@ -37,6 +42,13 @@ def main(args: Sequence[str] | None = None) -> int:
         node.destroy_node()
         rclpy.try_shutdown()
     return 0
+
+
+def share_interpreter() -> None:
+    """Let no other thread, and no search for garbage among all that was imported, hold up the stream for long."""
+    sys.setswitchinterval(GIVE_WAY)
+    gc.collect()
+    gc.freeze()
 
 
 if __name__ == "__main__":

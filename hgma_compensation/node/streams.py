@@ -36,7 +36,7 @@ class Streams:
         self._node, self._live = node, live
         self.publishing = False
         self._slow: list[tuple[Any, Callable[[Any], None]]] = []
-        self._fast: list[Any] = []
+        self._fast: list[tuple[Any, Callable[[Any], None]]] = []
         self._publishers: list[Any] = []
 
     def open(self) -> None:
@@ -55,7 +55,8 @@ class Streams:
             )
         ]
         self._raw = subscribe(Imu, topics.RAW, self._on_raw)
-        self._fast = [self._raw, subscribe(AccelBlock, topics.RAW_BLOCK, self._on_raw_block)]
+        blocks = subscribe(AccelBlock, topics.RAW_BLOCK, self._on_raw_block)
+        self._fast = [(self._raw, self._compensate), (blocks, self._compensate_block)]
         self._compensated = publish(Imu, topics.COMPENSATED)
         self._compensated_block = publish(AccelBlock, topics.COMPENSATED_BLOCK)
         self._states = publish(CompensationState, topics.STATE)
@@ -63,7 +64,7 @@ class Streams:
 
     def close(self) -> None:
         """Destroy what ``open`` created; nothing where it is closed."""
-        for subscription in (*(slow for slow, _ in self._slow), *self._fast):
+        for subscription, _ in (*self._slow, *self._fast):
             self._node.destroy_subscription(subscription)
         for publisher in self._publishers:
             self._node.destroy_lifecycle_publisher(publisher)
@@ -88,6 +89,14 @@ class Streams:
             for message in drain(subscription):
                 take(message)
 
+    def serve(self) -> None:
+        """Compensate what waits; for a callback that keeps the executor from calling those of the topics."""
+        waiting = [(list(drain(subscription)), take) for subscription, take in self._fast]
+        self._drain_slow()
+        for messages, take in waiting:
+            for message in messages:
+                take(message)
+
     def _on_raw(self, message: Imu) -> None:
         waiting = [message, *drain(self._raw)]
         self._drain_slow()
@@ -105,6 +114,9 @@ class Streams:
 
     def _on_raw_block(self, message: AccelBlock) -> None:
         self._drain_slow()
+        self._compensate_block(message)
+
+    def _compensate_block(self, message: AccelBlock) -> None:
         if not self.publishing:
             return self._live.skip_unseen(Skip.NOT_ACTIVE, len(message.x))
         try:
