@@ -10,24 +10,33 @@ from hgma_compensation.calibration.calibration import Calibration, ChannelCalibr
 from hgma_compensation.calibration.document import LARGEST_FILE, MOST_COMMAS, with_id, write_calibration
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.drift.inputs import InputScaling
-from hgma_compensation.drift.model import CalibratedRange
+from hgma_compensation.drift.model import CalibratedRange, DriftModel
+from hgma_compensation.drift.polynomial import PolynomialDrift
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
 from hgma_compensation.kalman.settings import FilterSettings
 from hgma_compensation.temperature.features import FeatureSettings
 from hgma_compensation.temperature.trend_filter import TrendNoise
 
 
-def constant_calibration(offset: float, channels: Sequence[str], centres: int) -> Calibration:
-    """Return a calibration that subtracts exactly an offset (m/s²): networks whose weights are all 0."""
+def constant_drift(offset: float, centres: int) -> DriftModel:
+    """Return a drift of exactly an offset: a polynomial of degree 0, or a network whose weights are all 0."""
+    scaling = InputScaling(np.zeros(3), np.ones(3))
+    if not centres:
+        return PolynomialDrift(scaling, np.zeros((1, 3), dtype=np.int64), np.array([offset]))
     random = np.random.default_rng(int(offset))
-    drift = RadialBasisDrift(
-        InputScaling(np.zeros(3), np.ones(3)),
+    return RadialBasisDrift(
+        scaling,
         centres=random.uniform(-1.0, 1.0, (centres, 3)),
         widths=random.uniform(0.5, 3.0, (centres, 3)),
         weights=np.zeros(centres),
         bias=offset,
         linear=np.zeros(3),
     )
+
+
+def constant_calibration(offset: float, channels: Sequence[str], centres: int) -> Calibration:
+    """Return a calibration that subtracts exactly an offset (m/s²) from each channel; centres: 0 for polynomials."""
+    drift = constant_drift(offset, centres)
     return with_id(
         Calibration(
             sensor_id="soak",
@@ -38,7 +47,7 @@ def constant_calibration(offset: float, channels: Sequence[str], centres: int) -
             ),
             training={
                 "tool": "soak",
-                "method": "rbf",
+                "method": "polynomial" if not centres else "rbf",
                 "seed": int(offset),
                 "block": 5.0,
                 "reference": "mean",

@@ -27,9 +27,16 @@ from hgma_compensation.demo.processes import private_ros_environment, running
 
 NODE = (sys.executable, "-m", "hgma_compensation.node.main", "--ros-args")
 SOURCE = (sys.executable, "-m", "benchmarks.soak.imu_source")
-RELIABLE = "qos_overrides./accel/raw.subscription.reliability:=reliable"
+RELIABLE = (
+    "qos_overrides./accel/raw.subscription.reliability:=reliable",
+    "qos_overrides./accel/raw.subscription.depth:=10000",
+)
 EVERY = 10
 """Requests of which one is refused."""
+KEPT_UP = 0.02
+"""s that the newest output may be old before the next request; a busy machine is given time to catch up."""
+GIVEN_TIME = 1.0
+"""s, at most, that it is given."""
 LAST_OUTPUTS = 5.0
 """s that the last outputs may take."""
 
@@ -42,9 +49,9 @@ def main() -> int:
     parser.add_argument("--period", type=float, default=0.025, help="s from one request to the next, at least")
     parser.add_argument("--quiet", type=float, default=5.0, help="s of stream before the first request, to compare")
     parser.add_argument("--history", type=int, default=0, help="thermistor samples that the node remembers")
-    parser.add_argument("--centres", type=int, default=20, help="of each network")
-    parser.add_argument("--channels", type=int, default=3, help="calibrated channels")
-    parser.add_argument("--reliable", action="store_true", help="let the node subscribe reliably")
+    parser.add_argument("--centres", type=int, default=0, help="of each network; 0: polynomials")
+    parser.add_argument("--channels", type=int, default=1, help="calibrated channels")
+    parser.add_argument("--reliable", action="store_true", help="let the node subscribe reliably, with a queue of 10 s")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as directory:
         figures = soak(options, Path(directory))
@@ -58,7 +65,7 @@ def soak(options: argparse.Namespace, directory: Path) -> dict[str, Any]:
     paths = list(calibrations)
     refused = write_refused(directory, paths[0].read_bytes())
     environment = private_ros_environment()
-    parameters = [f"calibration_file:={paths[0]}", *([RELIABLE] if options.reliable else [])]
+    parameters = [f"calibration_file:={paths[0]}", *(RELIABLE if options.reliable else [])]
     command = [*NODE, *(word for parameter in parameters for word in ("-p", parameter))]
     with running(command, environment, "using calibration"):
         client = ReloadClient(int(environment["ROS_DOMAIN_ID"]))
@@ -146,7 +153,16 @@ def _reload(
             requests.append(Request(sent, time.time_ns(), in_use))
             outputs.drain()
             time.sleep(max(sent * 1e-9 + options.period - time.time(), 0.0))
+            _let_it_catch_up(outputs)
     return requests, wrong
+
+
+def _let_it_catch_up(outputs: Outputs) -> None:
+    end = time.time() + GIVEN_TIME
+    outputs.drain()
+    while outputs.stamp[-1] * 1e-9 < time.time() - KEPT_UP and time.time() < end:
+        time.sleep(0.001)
+        outputs.drain()
 
 
 def _phases(outputs: Outputs, requests: list[Request]) -> tuple[Any, Any]:

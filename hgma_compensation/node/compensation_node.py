@@ -112,6 +112,8 @@ class CompensationNode(LifecycleNode):
         self._live.adopt(prepared)
         calibration = prepared.pipeline.calibration
         self.get_logger().info(f"using calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
+        # What came while the parameter was set goes before rclpy's announcement and answer, which take a sample's time.
+        self._streams.serve()
 
     def _on_load(
         self, request: LoadCalibration.Request, response: LoadCalibration.Response
