@@ -18,8 +18,9 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.soak.faults import Recorded, Request, faults_of
 from benchmarks.soak.latency import latency_figures
-from benchmarks.soak.outputs import Outputs, Request
+from benchmarks.soak.outputs import Outputs
 from benchmarks.soak.reload_client import ReloadClient
 from benchmarks.soak.reload_files import write_calibrations, write_refused
 from hgma_compensation.cli.terminal import counting_bar
@@ -83,6 +84,7 @@ def soak(options: argparse.Namespace, directory: Path) -> dict[str, Any]:
             sent = stop(outputs)
         received = client.received_by_node()
         client.close()
+    recorded = outputs.recorded
     return {
         "loaded": options.count,
         "refused": len(requests) - options.count,
@@ -92,10 +94,10 @@ def soak(options: argparse.Namespace, directory: Path) -> dict[str, Any]:
         "thermistor_history": options.history,
         "answer_ms_median": round(float(np.median([r.answered - r.sent for r in requests])) * 1e-6, 2),
         **sent,
-        "outputs": len(outputs.x),
-        **latency_figures(outputs.stamp, outputs.published, *_phases(outputs, requests)),
+        "outputs": len(recorded.x),
+        **latency_figures(recorded.stamp, recorded.published, *_phases(recorded, requests)),
         "faults": {
-            **outputs.faults(sent["sent"], [1.0, 2.0], requests),
+            **faults_of(recorded, sent["sent"], [1.0, 2.0], requests),
             "lost_before_the_node": sent["sent"] - received,
             "wrong_answers": wrong,
         },
@@ -111,7 +113,7 @@ def _source(environment: dict[str, str], options: argparse.Namespace) -> Iterato
     def stop(outputs: Outputs) -> dict[str, Any]:
         told: dict[str, Any] = json.loads(process.communicate()[0])
         end = time.monotonic() + LAST_OUTPUTS
-        while min(len(outputs.x), len(outputs.calibration)) < told["sent"] and time.monotonic() < end:
+        while min(len(outputs.recorded.x), len(outputs.recorded.calibration)) < told["sent"] and time.monotonic() < end:
             outputs.drain()
             time.sleep(0.01)
         return told
@@ -125,7 +127,7 @@ def _source(environment: dict[str, str], options: argparse.Namespace) -> Iterato
 
 def _quiet(outputs: Outputs, seconds: float) -> None:
     """Take outputs for a while, from the first one on."""
-    while not outputs.x:
+    while not outputs.recorded.x:
         outputs.drain()
         time.sleep(0.01)
     end = time.monotonic() + seconds
@@ -160,14 +162,14 @@ def _reload(
 def _let_it_catch_up(outputs: Outputs) -> None:
     end = time.time() + GIVEN_TIME
     outputs.drain()
-    while outputs.stamp[-1] * 1e-9 < time.time() - KEPT_UP and time.time() < end:
+    while outputs.recorded.stamp[-1] * 1e-9 < time.time() - KEPT_UP and time.time() < end:
         time.sleep(0.001)
         outputs.drain()
 
 
-def _phases(outputs: Outputs, requests: list[Request]) -> tuple[Any, Any]:
+def _phases(recorded: Recorded, requests: list[Request]) -> tuple[Any, Any]:
     """Return which samples (n,) came while a request was answered, and which before the first one."""
-    stamps = np.array(outputs.stamp)
+    stamps = np.array(recorded.stamp)
     sent, answered = (np.array([getattr(request, name) for request in requests]) for name in ("sent", "answered"))
     last = np.searchsorted(sent, stamps, side="right") - 1
     return (last >= 0) & (stamps <= answered[np.maximum(last, 0)]), last < 0
