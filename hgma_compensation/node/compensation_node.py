@@ -4,14 +4,15 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import Trigger
 
-from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.node import parameters
+from hgma_compensation.node.calibration_loader import CalibrationLoader
 from hgma_compensation.node.calibration_parameter import CalibrationParameter
 from hgma_compensation.node.diagnostics import DiagnosticReport
 from hgma_compensation.node.managed_node import ManagedNode, reported
 from hgma_compensation.node.ros_clock import RosClock
 from hgma_compensation.node.streams import Streams
 from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.prepared import Prepared
 from hgma_compensation.pipeline.status import UNUSABLE
 from hgma_msgs.srv import LoadCalibration
 
@@ -37,7 +38,8 @@ class CompensationNode(ManagedNode):
             self._live.stop_on = UNUSABLE
         self._streams = Streams(self, self._live, frame_id=str(self.get_parameter(parameters.FRAME_ID.name).value))
         self._state = "unconfigured"
-        self._calibration = CalibrationParameter(self, self._accept)
+        loader = CalibrationLoader(self, self._live, self._streams.serve)
+        self._calibration = CalibrationParameter(self, loader, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
         self.create_service(Trigger, "~/reset", self._on_reset)
         name = f"{self.get_fully_qualified_name().lstrip('/')}: compensation"
@@ -62,10 +64,10 @@ class CompensationNode(ManagedNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Read the calibration, if one is set, and open the topics; a refused file fails the transition."""
         if self._calibration.path:
-            calibration = self._calibration.read()
-            if calibration is None:
+            prepared = self._calibration.read()
+            if prepared is None:
                 return TransitionCallbackReturn.FAILURE
-            self._use(calibration)
+            self._use(prepared)
         self._streams.open()
         parameters.warn_of_unknown(self, qos=True)
         self._enter("inactive")
@@ -115,17 +117,20 @@ class CompensationNode(ManagedNode):
 
     # Calibration, reset, diagnostics ----------------------------------------------------------------
 
-    def _accept(self, calibration: Calibration) -> None:
+    def _accept(self, prepared: Prepared) -> None:
         """Take a calibration that was set; a node whose first one was refused starts with it."""
         if self._state == "unconfigured":
             self.start()
         else:
-            self._use(calibration)
+            self._use(prepared)
 
-    def _use(self, calibration: Calibration) -> None:
+    def _use(self, prepared: Prepared) -> None:
         """Swap the calibration; callbacks run one at a time, so this happens between two samples."""
-        self._live.install(calibration)
+        self._live.adopt(prepared)
+        calibration = prepared.pipeline.calibration
         self.get_logger().info(f"using calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
+        # What came while the parameter was set goes before rclpy's announcement and answer, which take a sample's time.
+        self._streams.serve()
 
     def _on_load(
         self, request: LoadCalibration.Request, response: LoadCalibration.Response

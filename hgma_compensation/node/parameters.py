@@ -50,6 +50,15 @@ CALIBRATION_FILE = ParameterRow(
     "",
     "Calibration (JSON written by hgma train); may be set at any time, a refused file changes nothing",
 )
+CALIBRATION_DIRECTORY = ParameterRow(
+    "calibration_directory",
+    "",
+    "Directory that calibration files must lie in, symbolic links resolved; empty: anywhere",
+    read_only=True,
+)
+EXPECTED_SENSOR_ID = ParameterRow(
+    "expected_sensor_id", "", "The sensor_id that a calibration must carry; empty: any", read_only=True
+)
 AUTOSTART = ParameterRow("autostart", True, "Configure and activate at start-up", read_only=True)
 FRAME_ID = ParameterRow(
     "frame_id",
@@ -66,7 +75,15 @@ ON_BAD_TEMPERATURE = ParameterRow(
 )
 USE_SIM_TIME = ParameterRow("use_sim_time", False, "Take the time of the diagnostics from /clock")
 
-PARAMETERS = (CALIBRATION_FILE, AUTOSTART, FRAME_ID, ON_BAD_TEMPERATURE, USE_SIM_TIME)
+PARAMETERS = (
+    CALIBRATION_FILE,
+    CALIBRATION_DIRECTORY,
+    EXPECTED_SENSOR_ID,
+    AUTOSTART,
+    FRAME_ID,
+    ON_BAD_TEMPERATURE,
+    USE_SIM_TIME,
+)
 """All of them, in the order of params/compensation.yaml."""
 
 _EXAMPLES = {bool: "true or false", int: "a whole number", float: "a number with a decimal point", str: "a text"}

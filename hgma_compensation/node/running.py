@@ -1,5 +1,7 @@
 """The life of the node's process: start, spin, end."""
 
+import gc
+import sys
 import threading
 import traceback
 from collections.abc import Sequence
@@ -18,6 +20,9 @@ STOP_LATENCY = 0.2
 """s after which a signal is noticed at the latest."""
 
 FAILED = 1
+
+GIVE_WAY = 1e-4
+"""s for which a thread that reads a calibration may keep the interpreter from the one that compensates."""
 
 
 def run(args: Sequence[str], stop: threading.Event) -> int:
@@ -72,6 +77,7 @@ def _spin(node: CompensationNode, executor: SingleThreadedExecutor, stop: thread
     """
     try:
         node.start()
+        share_interpreter()
         while not stop.is_set() and rclpy.ok():
             executor.spin_once(timeout_sec=STOP_LATENCY)
     except ExternalShutdownException:
@@ -80,3 +86,10 @@ def _spin(node: CompensationNode, executor: SingleThreadedExecutor, stop: thread
         node.get_logger().fatal(f"internal error, the node ends: {described(error)}\n{traceback.format_exc()}")
         return FAILED
     return 0
+
+
+def share_interpreter() -> None:
+    """Let no other thread, and no search for garbage among all that was imported, hold up the stream for long."""
+    sys.setswitchinterval(GIVE_WAY)
+    gc.collect()
+    gc.freeze()

@@ -43,6 +43,7 @@ class Streams:
         self._frame: str | None = None
         self.endpoints = Endpoints(node, live.counts)
         self._slow: list[tuple[CountedInput, Callable[[Any], None]]] = []
+        self._fast: list[tuple[CountedInput, Callable[[Any], None]]] = []
 
     def open(self) -> None:
         """Create subscriptions and publishers."""
@@ -57,7 +58,8 @@ class Streams:
             )
         ]
         self._raw = subscribe(Imu, topics.RAW, self._on_raw)
-        subscribe(AccelBlock, topics.RAW_BLOCK, self._on_raw_block)
+        blocks = subscribe(AccelBlock, topics.RAW_BLOCK, self._on_raw_block)
+        self._fast = [(self._raw, self._compensate), (blocks, self._compensate_block)]
         self._compensated = publish(Imu, topics.COMPENSATED)
         self._compensated_block = publish(AccelBlock, topics.COMPENSATED_BLOCK)
         self._states = publish(CompensationState, topics.STATE)
@@ -65,7 +67,7 @@ class Streams:
     def close(self) -> None:
         """Destroy what ``open`` created; nothing where it is closed."""
         self.endpoints.close()
-        self._slow = []
+        self._slow, self._fast = [], []
 
     def _take_temperature(self, message: Temperature) -> None:
         self._live.add_temperature(stamp_of(message), message.temperature)
@@ -82,8 +84,16 @@ class Streams:
         Called after accelerations were taken and before they are compensated: a slow sample that was sent before one
         of them is then among those taken here.
         """
-        for waiting, take in self._slow:
-            for message in waiting.drain():
+        for counted, take in self._slow:
+            for message in counted.drain():
+                take(message)
+
+    def serve(self) -> None:
+        """Compensate what waits; for a callback that keeps the executor from calling those of the topics."""
+        waiting = [(list(counted.drain()), take) for counted, take in self._fast]
+        self._drain_slow()
+        for messages, take in waiting:
+            for message in messages:
                 take(message)
 
     def _on_raw(self, message: Imu) -> None:
@@ -120,6 +130,9 @@ class Streams:
 
     def _on_raw_block(self, message: AccelBlock) -> None:
         self._drain_slow()
+        self._compensate_block(message)
+
+    def _compensate_block(self, message: AccelBlock) -> None:
         reason = self._reason_to_skip(message.header)
         if reason is not None:
             return self._live.skip_unseen(reason, len(message.x))
