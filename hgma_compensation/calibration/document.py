@@ -2,20 +2,26 @@
 
 import hashlib
 import json
-import os
-import stat
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from hgma_compensation import schema_check
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.encoding import FORMAT, VERSION, Document, decode, encode
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
+from hgma_compensation.json_file import FileKind, parse_json, read_bytes
 
 LARGEST_FILE = 4 << 20
 """Bytes. The largest network that the schema allows is a tenth of it."""
+
+KIND = FileKind(
+    "a calibration",
+    LARGEST_FILE,
+    give="give the JSON file written by hgma train",
+    copy="copy it again",
+    renew="take it from its source again",
+)
 
 
 def content_id(document: Document) -> str:
@@ -43,14 +49,14 @@ def read_calibration(path: Path) -> Calibration:
     Raises RefusedError, naming file, field and remedy, for anything but a whole, valid file.
     """
     try:
-        return parse_calibration(_read_bytes(path))
+        return parse_calibration(read_bytes(path, KIND))
     except RefusedError as refusal:
         raise RefusedError(f"calibration {path}: {refusal}") from None
 
 
 def parse_calibration(content: bytes) -> Calibration:
     """Return the calibration in the bytes of a file; raises RefusedError."""
-    document = _parse_json(content)
+    document = parse_json(content, KIND)
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise RefusedError(
             f'format: this is not a calibration (no "format": "{FORMAT}"): give a file written by hgma train'
@@ -80,57 +86,3 @@ def _check_id(document: Document) -> None:
             f"calibration_id is {document['calibration_id']}, the content has {actual}: "
             "the file was changed after it was written, take it from its source again or train again"
         )
-
-
-def _read_bytes(path: Path) -> bytes:
-    try:
-        # Not blocking: opening a named pipe would otherwise wait for a writer that never comes.
-        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
-    except OSError as error:
-        raise RefusedError(f"cannot be opened ({error.strerror}): check the path and its permissions") from None
-    try:
-        status = os.fstat(descriptor)
-        if not stat.S_ISREG(status.st_mode):
-            raise RefusedError("is not a regular file: give the JSON file written by hgma train")
-        if status.st_size > LARGEST_FILE:
-            raise RefusedError(f"has {status.st_size} bytes, more than {LARGEST_FILE}: this is not a calibration")
-        with os.fdopen(descriptor, "rb", closefd=False) as file:
-            return file.read(LARGEST_FILE)
-    except OSError as error:
-        raise RefusedError(f"cannot be read ({error.strerror}): copy it again") from None
-    finally:
-        os.close(descriptor)
-
-
-def _parse_json(content: bytes) -> Any:
-    try:
-        document = json.loads(content.decode("utf-8"), parse_constant=_refuse_constant, object_pairs_hook=_unique)
-    except RefusedError:
-        raise
-    except UnicodeDecodeError:
-        raise RefusedError("is not UTF-8 text: give the JSON file written by hgma train") from None
-    except json.JSONDecodeError as error:
-        raise RefusedError(
-            f"is not complete JSON (line {error.lineno}: {error.msg}): it is truncated or damaged, copy it again"
-        ) from None
-    except (RecursionError, ValueError):
-        raise RefusedError("is not a calibration: it is nested too deeply or holds an absurd number") from None
-    path = schema_check.find_non_finite(document)
-    if path is not None:
-        raise RefusedError(f"{path} is not finite: the file is damaged, take it from its source again or train again")
-    return document
-
-
-def _refuse_constant(name: str) -> Any:
-    raise RefusedError(
-        f"holds {name}, which is no number: the file is damaged, take it from its source again or train again"
-    )
-
-
-def _unique(pairs: list[tuple[str, Any]]) -> Document:
-    document = dict(pairs)
-    if len(document) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise RefusedError(f"{twice} is given twice: the file was edited, take it from its source again")
-    return document
