@@ -10,6 +10,7 @@ from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.pipeline.live import SLOW_INPUTS, LiveCompensation, single_sample
 from hgma_compensation.pipeline.reasons import REMEDIES, Note, Skip, sample_name
 from hgma_compensation.pipeline.remembered import REMEMBERED, Remembered
+from hgma_compensation.pipeline.taking_up import DROPPED
 from hgma_compensation.recording.compensated_bag import compensate_recording
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.temperature.track import Sample
@@ -92,7 +93,7 @@ def test_bad_thermistor_samples_are_counted_by_name():
 
 def test_every_reason_tells_the_operator_what_to_do():
     bad = [sample for sample in Sample if sample is not Sample.USED]
-    names = {reason.value for reason in (*Skip, *Note)}
+    names = {reason.value for reason in (*Skip, *Note, *DROPPED)}
     names |= {sample_name(need, sample) for need in SLOW_INPUTS for sample in bad}
     assert names - {"supply_voltage_implausible"} == set(REMEDIES)
     assert not any("{" in remedy for remedy in REMEDIES.values())

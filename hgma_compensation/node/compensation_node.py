@@ -8,6 +8,7 @@ from std_srvs.srv import Trigger
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.node.calibration_parameter import CalibrationParameter
 from hgma_compensation.node.diagnostics import DiagnosticReport
+from hgma_compensation.node.state_keeper import StateKeeper
 from hgma_compensation.node.streams import Streams
 from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_msgs.srv import LoadCalibration
@@ -29,6 +30,7 @@ class CompensationNode(LifecycleNode):
         self._autostart = bool(self.declare_parameter("autostart", True, autostart).value)
         self._live = LiveCompensation()
         self._streams = Streams(self, self._live)
+        self._keeper = StateKeeper(self, self._live)
         self._state = "unconfigured"
         self._calibration = CalibrationParameter(self, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
@@ -57,6 +59,7 @@ class CompensationNode(LifecycleNode):
             if calibration is None:
                 return TransitionCallbackReturn.FAILURE
             self._use(calibration)
+        self._keeper.begin()
         self._streams.open()
         self._enter("inactive")
         return super().on_configure(state)
@@ -73,11 +76,13 @@ class CompensationNode(LifecycleNode):
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop publishing; the thermistor is still followed."""
         self._enter("inactive")
+        self._keeper.save()
         return super().on_deactivate(state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Close the topics and forget calibration and history."""
         self._streams.close()
+        self._keeper.finish()
         self._live.remove_calibration()
         self._live.reset()
         self._enter("unconfigured")
@@ -86,12 +91,18 @@ class CompensationNode(LifecycleNode):
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Close the topics."""
         self._streams.close()
+        self._keeper.finish()
         self._enter("finalized")
         return super().on_shutdown(state)
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Return to unconfigured, from where the node can be configured again."""
         return self.on_cleanup(state)
+
+    def destroy_node(self) -> None:
+        """Save what is to be kept over a restart, and end."""
+        self._keeper.finish()
+        super().destroy_node()
 
     def _enter(self, state: str) -> None:
         self._state, self._streams.publishing = state, state == "active"
@@ -124,14 +135,17 @@ class CompensationNode(LifecycleNode):
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._live.reset()
-        response.success, response.message = True, "filter, memories and history cleared, calibration kept"
+        cleared = "filter, memories and history cleared, calibration kept"
+        response.success, response.message = True, cleared + self._keeper.discard()
         return response
 
     def _on_diagnostics(self) -> None:
         now = self.get_clock().now()
         elapsed = (now - self._reported_at).nanoseconds * 1e-9
         self._reported_at = now
-        status = self._report.status(self._live, self._state, self._calibration.refusal, elapsed)
+        status = self._report.status(
+            self._live, self._state, self._calibration.refusal, elapsed, self._keeper.findings()
+        )
         array = DiagnosticArray(status=[status])
         array.header.stamp = now.to_msg()
         self._diagnostics.publish(array)

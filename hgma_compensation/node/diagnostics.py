@@ -2,6 +2,7 @@
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
+from hgma_compensation.node.state_keeper import MemoryFindings
 from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_compensation.pipeline.reasons import REMEDIES, Skip
 from hgma_compensation.pipeline.status import TemperatureStatus
@@ -25,22 +26,27 @@ class DiagnosticReport:
         self._reported: dict[str, int] = {}
         self._received = 0
 
-    def status(self, live: LiveCompensation, state: str, refusal: str, elapsed: float) -> DiagnosticStatus:
+    def status(
+        self, live: LiveCompensation, state: str, refusal: str, elapsed: float, memory: MemoryFindings
+    ) -> DiagnosticStatus:
         """Return the status of the last ``elapsed`` seconds.
 
-        state: of the lifecycle. refusal: why the last calibration was refused, "" if it was not.
+        state: of the lifecycle. refusal: why the last calibration was refused, "" if it was not. memory: what there is
+        to say of the memories and their file.
         """
         fresh = {name: count - self._reported.get(name, 0) for name, count in live.counts.items()}
         rate = (live.received - self._received) / elapsed if elapsed > 0.0 else 0.0
         self._reported, self._received = dict(live.counts), live.received
         error, problems = self._problems(live, state, refusal, {n: c for n, c in fresh.items() if c})
+        problems += memory.problems
         level = DiagnosticStatus.ERROR if error else DiagnosticStatus.WARN if problems else DiagnosticStatus.OK
+        values = self._values(live, state, refusal, rate) + memory.values
         return DiagnosticStatus(
             level=level,
             name=self._name,
             message="; ".join(problems) or "compensating",
             hardware_id=live.calibration.sensor_id if live.calibration else "",
-            values=[KeyValue(key=key, value=value) for key, value in self._values(live, state, refusal, rate)],
+            values=[KeyValue(key=key, value=value) for key, value in values],
         )
 
     def _problems(

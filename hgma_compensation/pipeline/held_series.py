@@ -22,6 +22,11 @@ class HeldSeries:
         """Return the number of samples that are held."""
         return len(self._samples)
 
+    @property
+    def last(self) -> int | None:
+        """Stamp of the newest sample, ns."""
+        return self._samples.last
+
     def reset(self) -> None:
         """Forget all samples."""
         self._samples.reset()

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +10,14 @@ from numpy.typing import NDArray
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import columns_of
 from hgma_compensation.effects.effect import Need
+from hgma_compensation.errors import RefusedError
 from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.live_state import ACCELERATION, INPUTS, LiveState
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.reasons import LATE, MISSING, Note, Skip, sample_name
 from hgma_compensation.pipeline.remembered import Remembered
+from hgma_compensation.pipeline.settling import MemorySpan, Unsettled, unsettled
+from hgma_compensation.pipeline.taking_up import Offer, Past
 from hgma_compensation.stamps import Stamps, to_nanoseconds
 from hgma_compensation.temperature.track import Sample
 
@@ -40,6 +44,9 @@ class LiveCompensation:
         self._pipeline: Pipeline | None = None
         self._remembered: dict[Need | None, Remembered] = {need: Remembered() for need in SLOW_INPUTS}
         self._last_acceleration: int | None = None
+        self._span = MemorySpan()
+        self._offer: Offer | None = None
+        self.past = Past.NONE
 
     @property
     def calibration(self) -> Calibration | None:
@@ -75,9 +82,59 @@ class LiveCompensation:
         """Forget the history of all inputs, memories and filter states; calibration and counts stay."""
         for samples in self._remembered.values():
             samples.clear()
-        self._last_acceleration = None
+        self._last_acceleration, self._span = None, MemorySpan()
+        self._offer, self.past = None, Past.CLEARED
         if self._pipeline is not None:
             self._pipeline.reset()
+
+    @property
+    def unsettled(self) -> list[Unsettled]:
+        """Effects of the calibration in use that still show that their memory began without a past."""
+        return unsettled(self.calibration, self._span) if self.calibration else []
+
+    @property
+    def position(self) -> tuple[int | None, ...] | None:
+        """Newest stamps of all inputs, ns: what has changed where a snapshot would be another; None before any."""
+        stamps = (self._last_acceleration, *(self._remembered[need].newest for need in SLOW_INPUTS))
+        return None if stamps == (None,) * len(stamps) else stamps
+
+    def snapshot(self) -> LiveState:
+        """Return all that later drift depends on; the Kalman stages begin anew after it."""
+        return LiveState(
+            self.calibration.calibration_id if self.calibration else "",
+            self.calibration.sensor_id if self.calibration else "",
+            self._pipeline.snapshot() if self._pipeline else None,
+            {need: samples.copy() for need, samples in self._remembered.items()},
+            replace(self._span),
+            self._last_acceleration,
+        )
+
+    def offer(self, state: LiveState, max_age: float) -> None:
+        """Take a state up when the first sample comes, if that is at most ``max_age`` s younger; else drop it."""
+        self._offer, self.past = Offer(state, to_nanoseconds(max_age)), Past.WAITING
+
+    def _begin(self, source: str, stamp: int) -> None:
+        """Decide, at the first sample, whether the state that is offered is taken up."""
+        assert self._offer is not None
+        offer, self._offer = self._offer, None
+        self.past = offer.judge(source, stamp, self.calibration.sensor_id if self.calibration else "")
+        if self.past is Past.TAKEN_UP:
+            self.restore(offer.state)
+        else:
+            self.counts[self.past.value] += 1
+
+    def restore(self, state: LiveState) -> None:
+        """Go on from a state; memories of another calibration's are built anew from the samples in it."""
+        self._remembered.update({need: samples.copy() for need, samples in state.remembered.items()})
+        self._span, self._last_acceleration = replace(state.span), state.acceleration
+        self.past = Past.REPLAYED
+        if self._pipeline is None:
+            return
+        try:
+            self._pipeline.restore(state.pipeline or {})
+            self.past = Past.TAKEN_UP
+        except RefusedError:
+            self.install(self._pipeline.calibration)
 
     def add_temperature(self, stamp: int, celsius: float) -> None:
         """Take a thermistor sample (ns, °C)."""
@@ -92,6 +149,10 @@ class LiveCompensation:
         self._add(Need.SUPPLY_VOLTAGE, stamp, volts)
 
     def _add(self, need: Need | None, stamp: int, value: float) -> None:
+        if self._offer is not None:
+            self._begin(INPUTS[need], stamp)
+        if need is None:
+            self._span.add(stamp, value)
         remembered = self._remembered[need]
         remembered.add(stamp, value)
         if self._pipeline is None or need not in self._pipeline.inputs.wanted:
@@ -118,6 +179,8 @@ class LiveCompensation:
         is calibrated, or that an effect reads, is skipped whole, so that none enters a filter.
         """
         self.received += len(stamps)
+        if self._offer is not None and len(stamps):
+            self._begin(ACCELERATION, int(stamps[0]))
         if self._pipeline is None:
             self._skip(Skip.NO_CALIBRATION, len(stamps))
             return None

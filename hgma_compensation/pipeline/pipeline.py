@@ -152,7 +152,7 @@ class Pipeline:
         """Return, as plain JSON, all that later drift depends on; the Kalman stages begin anew after it."""
         return {
             "calibration_id": self.calibration.calibration_id,
-            "inputs": self.inputs.snapshot(),
+            "inputs": self.inputs.snapshot(self._stretches.newest),
             "newest": self._stretches.newest,
             "effects": self.stage.snapshot(),
         }

@@ -3,6 +3,7 @@
 from enum import Enum
 
 from hgma_compensation.effects.effect import Need
+from hgma_compensation.pipeline.taking_up import DROPPED
 from hgma_compensation.temperature.track import Sample
 
 
@@ -61,6 +62,7 @@ REMEDIES: dict[str, str] = {
     Skip.MALFORMED_BLOCK.value: "check the driver: x, y, z of a block must have equal length and "
     "sample_interval must be positive",
     Note.TIME_JUMPED_BACK.value: "expected when a bag loops; else check the clock that stamps the accelerometer",
+    **{past.value: remedy for past, remedy in DROPPED.items()},
     **{note.value: _LATE.format(_INPUTS[need]) for need, note in LATE.items()},
     **{note.value: _MISSING.format(_INPUTS[need], need.value) for need, note in MISSING.items()},
     **{
