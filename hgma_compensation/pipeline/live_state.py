@@ -64,13 +64,15 @@ def decode_state(document: Document) -> LiveState:
         calibration_id=document["calibration_id"],
         sensor_id=document["sensor_id"],
         pipeline=document["pipeline"],
-        remembered={need: _decode_samples(document["inputs"][name]) for need, name in INPUTS.items()},
+        remembered={need: _decode_samples(document["inputs"][name], f"inputs.{name}") for need, name in INPUTS.items()},
         span=_decode_span(document["span"]),
         acceleration=_stamp(document["acceleration"]),
     )
 
 
-def _decode_samples(document: Document) -> Remembered:
+def _decode_samples(document: Document, path: str) -> Remembered:
+    if len(document["stamps"]) != len(document["values"]):
+        raise ValueError(f"{path} has {len(document['stamps'])} stamps and {len(document['values'])} values")
     samples = zip(map(int, document["stamps"]), map(float, document["values"]), strict=True)
     return Remembered.of(_stamp(document["power_on"]), samples)
 
