@@ -129,6 +129,18 @@ def test_age_is_judged_by_the_stamp_of_the_first_sample(seconds, past, source):
     assert began == (START if not dropped else stamp if source == "temperature" else None)
 
 
+def test_a_sample_that_is_no_number_decides_nothing():
+    calibration = make_calibration()
+    live = started(calibration)
+    live.add_temperature(START, 40.0)
+    again = started(calibration, file_of(live), max_age=100.0)
+    again.add_temperature(0, np.nan)
+    again.compensate(*single_sample(0, np.full(6, np.nan)))
+    assert again.past is Past.WAITING
+    again.add_temperature(START + NANOSECONDS, 40.0)
+    assert again.past is Past.TAKEN_UP
+
+
 def test_an_accelerometer_that_lags_its_thermistor_is_compared_with_itself():
     calibration = make_calibration()
     live = started(calibration)

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -149,7 +150,7 @@ class LiveCompensation:
         self._add(Need.SUPPLY_VOLTAGE, stamp, volts)
 
     def _add(self, need: Need | None, stamp: int, value: float) -> None:
-        if self._offer is not None:
+        if self._offer is not None and isfinite(value):
             self._begin(INPUTS[need], stamp)
         if need is None:
             self._span.add(stamp, value)
@@ -179,8 +180,6 @@ class LiveCompensation:
         is calibrated, or that an effect reads, is skipped whole, so that none enters a filter.
         """
         self.received += len(stamps)
-        if self._offer is not None and len(stamps):
-            self._begin(ACCELERATION, int(stamps[0]))
         if self._pipeline is None:
             self._skip(Skip.NO_CALIBRATION, len(stamps))
             return None
@@ -189,6 +188,8 @@ class LiveCompensation:
         if not np.isfinite(values[:, self._pipeline.columns_read]).all():
             self._skip(Skip.NOT_FINITE, len(stamps))
             return None
+        if self._offer is not None and len(stamps):
+            self._begin(ACCELERATION, int(stamps[0]))
         jumps = self._pipeline.jumps_back
         self.last_result = LiveResult(calibration, self._pipeline.compensate(stamps, wanted, values))
         if self._pipeline.jumps_back > jumps:
