@@ -1,5 +1,6 @@
 from itertools import pairwise
 
+import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -32,17 +33,13 @@ def test_nothing_is_condensed_to_nothing():
     assert (list(condensed(Remembered())), condensed(Remembered()).power_on) == ([], None)
 
 
-STEPS = st.lists(st.sampled_from([0.5, 1.0, 10.0, 29.0, 31.0, 40.0, 59.0, 61.0, 500.0]), min_size=1, max_size=700)
+STEPS = (0.5, 1.0, 10.0, 25.0, 29.0, 31.0, 40.0, 59.0, 61.0, 500.0)
 
 
-@settings(max_examples=60)
-@given(steps=STEPS)
-def test_thinning_neither_makes_nor_hides_a_pause_without_power(steps):
-    stamps, time = [], 0.0
-    for step in steps:
-        time += step
-        stamps.append(time)
-    whole = remembered(stamps)
+@settings(max_examples=40)
+@given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 3 * NEWEST))
+def test_thinning_neither_makes_nor_hides_a_pause_without_power(seed, count):
+    whole = remembered(np.cumsum(np.random.default_rng(seed).choice(STEPS, count)))
     kept = condensed(whole)
     samples = [stamp for stamp, _ in kept]
     assert set(samples) <= {stamp for stamp, _ in whole}

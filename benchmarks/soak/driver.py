@@ -31,7 +31,7 @@ class Driver:
         self._raw = self._node.create_publisher(Imu, "accel/raw", QOS)
         self._temperature = self._node.create_publisher(Temperature, "accel/temperature", QOS)
         self.drift: dict[int, float] = {}
-        self.first_state = 0.0
+        self.first_state, self._since = 0.0, 0
         self.diagnostics: list[dict[str, str]] = []
         self._node.create_subscription(CompensationState, "accel/state", self._on_state, QOS)
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, QOS)
@@ -39,6 +39,8 @@ class Driver:
         self.start = time.time_ns()
 
     def _on_state(self, state: CompensationState) -> None:
+        if stamp_of(state) <= self._since:
+            return
         if not self.drift:
             self.first_state = time.monotonic()
         self.drift[stamp_of(state)] = float(state.drift[0])
@@ -47,8 +49,8 @@ class Driver:
         self.diagnostics.append({value.key: value.value for value in array.status[0].values})
 
     def forget_replies(self) -> None:
-        """Drop what has come so far."""
-        self.drift, self.first_state = {}, 0.0
+        """Drop what has come so far, and what is still on its way: replies to samples that were sent until now."""
+        self.drift, self.first_state, self._since = {}, 0.0, time.time_ns()
         self.diagnostics.clear()
 
     def hears_a_node(self) -> bool:

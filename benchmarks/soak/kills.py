@@ -12,7 +12,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -23,6 +24,7 @@ from benchmarks.soak.remembering import Truth, remembering_calibration
 from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.demo.processes import private_ros_environment
 from hgma_compensation.pipeline.state_file import read_state, remove_litter
+from hgma_compensation.pipeline.taking_up import Past
 
 PATIENCE = 30.0
 """s to wait for a node to answer."""
@@ -83,9 +85,11 @@ class Lives:
         node = self.start()
         self._until(lambda: bool(self._driver.drift))
         self.outages.append(self._driver.first_state - self._killed_at)
-        self._driver.diagnostics.clear()
-        self._until(lambda: bool(self._driver.diagnostics))
-        return node, self._driver.diagnostics[-1].get("memory", "")
+        self._until(lambda: self._memory_said() not in ("", Past.WAITING.value))
+        return node, self._memory_said()
+
+    def _memory_said(self) -> str:
+        return self._driver.diagnostics[-1]["memory"] if self._driver.diagnostics else ""
 
     def compare(self) -> None:
         """Compare the drift of this life with that without an interruption."""
@@ -93,7 +97,7 @@ class Lives:
         self.errors.append(max(abs(self._driver.drift[s] - self._truth.drift[s]) for s in stamps))
         self.lost.append(min(abs(self._truth.forgotten[s] - self._truth.drift[s]) for s in stamps))
 
-    def _until(self, condition: Any, step: float = 0.05) -> None:
+    def _until(self, condition: Callable[[], bool], step: float = 0.05) -> None:
         end = time.monotonic() + PATIENCE
         while not condition():
             if time.monotonic() > end:
@@ -132,7 +136,8 @@ def soak(kills: int, writers: int, seed: int, folder: Path) -> dict[str, Any]:
 def _figures(lives: Lives, said: list[str]) -> dict[str, Any]:
     return {
         "kills": len(said),
-        "taken_up": said.count("taken_up"),
+        "taken_up": said.count(Past.TAKEN_UP.value),
+        "said": dict(Counter(said)),
         "killed_while_saving": lives.interrupted,
         "litter_left": remove_litter(lives.state),
         "state_bytes": lives.state.stat().st_size,
