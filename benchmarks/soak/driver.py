@@ -46,7 +46,8 @@ class Driver:
         self.drift[stamp_of(state)] = float(state.drift[0])
 
     def _on_diagnostics(self, array: DiagnosticArray) -> None:
-        self.diagnostics.append({value.key: value.value for value in array.status[0].values})
+        if stamp_of(array) > self._since:
+            self.diagnostics.append({value.key: value.value for value in array.status[0].values})
 
     def forget_replies(self) -> None:
         """Drop what has come so far, and what is still on its way: replies to samples that were sent until now."""
