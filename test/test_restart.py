@@ -137,8 +137,10 @@ def test_a_sample_that_is_no_number_decides_nothing():
     again.add_temperature(0, np.nan)
     again.compensate(*single_sample(0, np.full(6, np.nan)))
     assert again.past is Past.WAITING
+    assert again.position is None
     again.add_temperature(START + NANOSECONDS, 40.0)
     assert again.past is Past.TAKEN_UP
+    assert again.position is not None
 
 
 def test_an_accelerometer_that_lags_its_thermistor_is_compared_with_itself():

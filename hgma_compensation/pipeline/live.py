@@ -95,7 +95,12 @@ class LiveCompensation:
 
     @property
     def position(self) -> tuple[int | None, ...] | None:
-        """Newest stamps of all inputs, ns: what has changed where a snapshot would be another; None before any."""
+        """Newest stamps of all inputs, ns, which tell whether a snapshot would be another; None before there is one.
+
+        While a state waits for the first sample there is none: it must not be replaced by less.
+        """
+        if self._offer is not None:
+            return None
         stamps = (self._last_acceleration, *(self._remembered[need].newest for need in SLOW_INPUTS))
         return None if stamps == (None,) * len(stamps) else stamps
 
