@@ -2,13 +2,31 @@
 
 import os
 import stat
+from dataclasses import dataclass
 from pathlib import Path
 
 from hgma_compensation.errors import RefusedError
 
 
-def read_regular_file(path: Path, largest: int, directory: Path | None = None) -> bytes:
-    """Return the content of a regular file of at most ``largest`` bytes, symbolic links followed.
+@dataclass(frozen=True)
+class FileKind:
+    """What a refusal says of a kind of file.
+
+    name: with its article. largest: bytes. most_commas: in a text, which bounds what there is to make of it, and to
+    throw away. Then what to do: give, where it is another thing; copy, where it was cut short; renew, where its content
+    is damaged.
+    """
+
+    name: str
+    largest: int
+    most_commas: int
+    give: str
+    copy: str
+    renew: str
+
+
+def read_regular_file(path: Path, kind: FileKind, directory: Path | None = None) -> bytes:
+    """Return the content of a regular file of the kind, at most as large as those are, symbolic links followed.
 
     directory: where the file itself, after all links, must lie; None for anywhere. Linux only (/proc). Raises
     RefusedError, without the path, for anything else; nothing but a regular file is ever opened for reading, so that
@@ -18,13 +36,13 @@ def read_regular_file(path: Path, largest: int, directory: Path | None = None) -
     try:
         status = os.fstat(place)
         if not stat.S_ISREG(status.st_mode):
-            raise RefusedError("is not a regular file: give the JSON file written by hgma train")
-        if status.st_size > largest:
-            raise RefusedError(f"has {status.st_size} bytes, more than {largest}: this is not a calibration")
+            raise RefusedError(f"is not a regular file: {kind.give}")
+        if status.st_size > kind.largest:
+            raise RefusedError(f"has {status.st_size} bytes, more than {kind.largest}: this is not {kind.name}")
         if directory is not None:
             _check_place(place, directory)
         # The descriptor's own entry leads to the very file that was examined, whatever the path leads to by now.
-        return _read(Path(_entry(place)), status.st_size)
+        return _read(Path(_entry(place)), status.st_size, kind)
     finally:
         os.close(place)
 
@@ -66,13 +84,13 @@ def _check_place(place: int, directory: Path) -> None:
         )
 
 
-def _read(path: Path, size: int) -> bytes:
+def _read(path: Path, size: int, kind: FileKind) -> bytes:
     descriptor = _open(path, os.O_RDONLY | os.O_NONBLOCK)
     try:
         with os.fdopen(descriptor, "rb", closefd=False) as file:
             # Never more than its size: some files of the kernel have none, and block, or never end, once they are read.
             return file.read(size)
     except OSError as error:
-        raise RefusedError(f"cannot be read ({error.strerror}): copy it again") from None
+        raise RefusedError(f"cannot be read ({error.strerror}): {kind.copy}") from None
     finally:
         os.close(descriptor)

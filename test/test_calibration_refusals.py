@@ -183,7 +183,10 @@ def test_file_that_is_something_else_is_refused(tmp_path, content, reason):
 
 def test_duplicate_key_deep_inside_is_refused(calibration_file):
     calibration_file.write_text(calibration_file.read_text().replace('"bias":', '"bias": 1.0, "bias":', 1))
-    assert refusal_of(calibration_file) == "bias is given twice: the file was edited, take it from its source again"
+    assert (
+        refusal_of(calibration_file)
+        == "bias is given twice: the file was edited, take it from its source again or train again"
+    )
 
 
 def test_nesting_of_any_depth_is_read_or_refused(calibration_file):

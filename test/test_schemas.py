@@ -13,6 +13,7 @@ from hgma_compensation.temperature.features import Product
 EFFECTS = [AppliedEffect(LINEAR[2], effect, np.ones(effect.count)) for effect in OFFERED[LINEAR[2]]]
 CALIBRATION = load_schema("hgma_compensation.calibration", "calibration.schema.json")
 SCENARIO = load_schema("hgma_compensation.simulation", "scenario.schema.json")
+STATE = load_schema("hgma_compensation.pipeline", "state.schema.json")
 
 
 @pytest.mark.parametrize(
@@ -26,7 +27,7 @@ def test_what_is_written_is_accepted(options):
     Draft202012Validator(CALIBRATION).validate(document)
 
 
-@pytest.mark.parametrize("schema", [CALIBRATION, SCENARIO])
+@pytest.mark.parametrize("schema", [CALIBRATION, SCENARIO, STATE])
 def test_published_schemas_are_valid(schema):
     Draft202012Validator.check_schema(schema)
 
@@ -44,7 +45,7 @@ def keywords(schema):
             yield from keywords(sub)
 
 
-@pytest.mark.parametrize("schema", [CALIBRATION, SCENARIO])
+@pytest.mark.parametrize("schema", [CALIBRATION, SCENARIO, STATE])
 def test_published_schemas_use_only_what_is_interpreted(schema):
     interpreted = {"$ref", "oneOf", "const", "enum", "type", "required", "additionalProperties", "minItems", "maxItems"}
     interpreted |= {"items", "minLength", "maxLength", "pattern", "minimum", "maximum", "exclusiveMinimum"}

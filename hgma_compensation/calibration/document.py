@@ -4,15 +4,14 @@ import hashlib
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from hgma_compensation import json_text, schema_check
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.encoding import FORMAT, VERSION, Document, decode, encode
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
-from hgma_compensation.plain_values import check_plain
-from hgma_compensation.regular_file import read_regular_file
+from hgma_compensation.json_file import parse_json
+from hgma_compensation.regular_file import FileKind, read_regular_file
 
 LARGEST_FILE = 1 << 20
 """Bytes. Six channels with the largest networks, and 64 effects with all their gains, take 0.8 of it."""
@@ -22,6 +21,15 @@ MOST_COMMAS = 60_000
 
 LONGEST_SHOWN = 300
 """Characters of a path in a refusal."""
+
+KIND = FileKind(
+    "a calibration",
+    LARGEST_FILE,
+    MOST_COMMAS,
+    give="give the JSON file written by hgma train",
+    copy="copy it again",
+    renew="take it from its source again or train again",
+)
 
 
 def content_id(document: Document) -> str:
@@ -58,7 +66,7 @@ def read_calibration(path: Path, *, directory: Path | None = None) -> Calibratio
     field and remedy, for anything but a whole, valid, regular file.
     """
     try:
-        return parse_calibration(read_regular_file(path, LARGEST_FILE, directory))
+        return parse_calibration(read_regular_file(path, KIND, directory))
     except RefusedError as refusal:
         raise RefusedError(f"calibration {shown(path)}: {refusal}") from None
 
@@ -71,7 +79,7 @@ def shown(path: Path) -> str:
 
 def parse_calibration(content: bytes) -> Calibration:
     """Return the calibration in the bytes of a file; raises RefusedError."""
-    document = _parse_json(content)
+    document = parse_json(content, KIND)
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise RefusedError(
             f'format: this is not a calibration (no "format": "{FORMAT}"): give a file written by hgma train'
@@ -98,41 +106,3 @@ def _check_id(document: Document) -> None:
             f"calibration_id is {document['calibration_id']}, the content has {actual}: "
             "the file was changed after it was written, take it from its source again or train again"
         )
-
-
-def _parse_json(content: bytes) -> Any:
-    try:
-        text = content.decode("utf-8")
-        if text.count(",") > MOST_COMMAS:
-            raise RefusedError("has far more elements than a calibration: give the JSON file written by hgma train")
-        document = json_text.parse(text, object_pairs=_unique, constant=_refuse_constant)
-    except RefusedError:
-        raise
-    except UnicodeDecodeError:
-        raise RefusedError("is not UTF-8 text: give the JSON file written by hgma train") from None
-    except json.JSONDecodeError as error:
-        raise RefusedError(
-            f"is not complete JSON (line {error.lineno}: {error.msg}): it is truncated or damaged, copy it again"
-        ) from None
-    except (RecursionError, ValueError):
-        raise RefusedError("is not a calibration: it is nested too deeply or holds an absurd number") from None
-    try:
-        check_plain(document)
-    except RefusedError as refusal:
-        raise RefusedError(f"{refusal}: the file is damaged, take it from its source again or train again") from None
-    return document
-
-
-def _refuse_constant(name: str) -> Any:
-    raise RefusedError(
-        f"holds {name}, which is no number: the file is damaged, take it from its source again or train again"
-    )
-
-
-def _unique(pairs: json_text.Pairs) -> Document:
-    document: Document = {}
-    for name, value in pairs:
-        if name in document:
-            raise RefusedError(f"{name} is given twice: the file was edited, take it from its source again")
-        document[name] = value
-    return document

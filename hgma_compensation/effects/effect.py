@@ -17,6 +17,9 @@ from hgma_compensation.errors import RefusedError
 
 Array = NDArray[np.float64]
 
+SETTLED = 3.0
+"""Time constants after which a memory has forgotten all but a twentieth of what it began with."""
+
 
 class Need(str, Enum):
     """An input that not every recording has."""
@@ -89,6 +92,16 @@ class Effect(ABC):
     @property
     def history(self) -> float:
         """Seconds of the thermistor's past that ``earlier`` is asked for."""
+        return 0.0
+
+    @property
+    def settling(self) -> float:
+        """Seconds after which a memory that began without a past no longer shows it."""
+        return self.history
+
+    @property
+    def settling_span(self) -> float:
+        """Span in °C that the temperature must cover until then, where travel and not time makes it forget."""
         return 0.0
 
     def memory(self) -> TemperatureMemory | None:

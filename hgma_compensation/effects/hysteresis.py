@@ -65,6 +65,11 @@ class Hysteresis(Effect):
         return Play(geometric(self.threshold, self.spread, self.plays), before, self.offset)
 
     @property
+    def settling_span(self) -> float:
+        """Twice the widest threshold: over such a span every play is dragged along, wherever it stood."""
+        return 2.0 * max(self.memory().thresholds)
+
+    @property
     def count(self) -> int:
         """One column for each play, two where they bend."""
         return self.memory().size * (1 + int(self.bend))

@@ -8,7 +8,7 @@ import numpy as np
 
 from hgma_compensation.effects.acceleration_memory import ShockSums
 from hgma_compensation.effects.conditions import Conditions
-from hgma_compensation.effects.effect import Array, Effect, Span, Survey
+from hgma_compensation.effects.effect import SETTLED, Array, Effect, Span, Survey
 from hgma_compensation.effects.registry import register
 from hgma_compensation.effects.requirements import require_channel
 
@@ -41,6 +41,11 @@ class PostShockZeroShift(Effect):
     def acceleration_memory(self) -> ShockSums:
         """Return the sums over the shocks."""
         return ShockSums(self.threshold, self.time_constant)
+
+    @property
+    def settling(self) -> float:
+        """Three time constants of the decaying part; what earlier shocks left for good stays unknown."""
+        return SETTLED * self.time_constant
 
     @property
     def count(self) -> int:

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from hgma_compensation.effects.conditions import Conditions
-from hgma_compensation.effects.effect import Array, Effect, Span, Survey
+from hgma_compensation.effects.effect import SETTLED, Array, Effect, Span, Survey
 from hgma_compensation.effects.memory import LowPass
 from hgma_compensation.effects.registry import register
 
@@ -35,6 +35,11 @@ class StressRelaxation(Effect):
         if self.spread == 1.0:
             return LowPass((self.time_constant,))
         return LowPass((self.time_constant / self.spread, self.time_constant, self.time_constant * self.spread))
+
+    @property
+    def settling(self) -> float:
+        """Three of the slowest pole's time constants."""
+        return SETTLED * max(self.memory().time_constants)
 
     @property
     def count(self) -> int:

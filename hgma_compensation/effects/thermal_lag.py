@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from hgma_compensation.effects.conditions import Conditions
-from hgma_compensation.effects.effect import Array, Effect, Span, Survey
+from hgma_compensation.effects.effect import SETTLED, Array, Effect, Span, Survey
 from hgma_compensation.effects.memory import LowPass
 from hgma_compensation.effects.registry import register
 from hgma_compensation.effects.requirements import geometric, require_whole
@@ -53,6 +53,11 @@ class ThermalLag(Effect):
     def memory(self) -> LowPass:
         """Return the poles."""
         return LowPass(geometric(self.time_constant, self.spread, self.poles))
+
+    @property
+    def settling(self) -> float:
+        """Three of the slowest pole's time constants."""
+        return SETTLED * max(self.memory().time_constants)
 
     @property
     def count(self) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 
 from hgma_compensation.effects.acceleration_memory import VibrationLevel
 from hgma_compensation.effects.conditions import Conditions
-from hgma_compensation.effects.effect import Array, Effect, Span, Survey
+from hgma_compensation.effects.effect import SETTLED, Array, Effect, Span, Survey
 from hgma_compensation.effects.registry import register
 from hgma_compensation.effects.requirements import require_channel
 
@@ -45,6 +45,11 @@ class VibrationRectification(Effect):
     def acceleration_memory(self) -> VibrationLevel:
         """Return the level of the vibration."""
         return VibrationLevel(self.time_constant, self.floor)
+
+    @property
+    def settling(self) -> float:
+        """Three time constants."""
+        return SETTLED * self.time_constant
 
     @property
     def count(self) -> int:

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from hgma_compensation.effects.conditions import Conditions
-from hgma_compensation.effects.effect import Array, Effect, Span, Survey
+from hgma_compensation.effects.effect import SETTLED, Array, Effect, Span, Survey
 from hgma_compensation.effects.memory import Coldness
 from hgma_compensation.effects.registry import register
 
@@ -40,6 +40,11 @@ class WarmUp(Effect):
         if self.spread == 1.0:
             return (self.time_constant,)
         return (self.time_constant / sqrt(self.spread), self.time_constant * sqrt(self.spread))
+
+    @property
+    def settling(self) -> float:
+        """Three of the longer time constant: a node cannot know how long its sensor has been on."""
+        return SETTLED * max(self.time_constants)
 
     @property
     def count(self) -> int:

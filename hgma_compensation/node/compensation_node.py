@@ -10,6 +10,7 @@ from hgma_compensation.node.calibration_parameter import CalibrationParameter
 from hgma_compensation.node.diagnostics import DiagnosticReport
 from hgma_compensation.node.managed_node import ManagedNode, reported
 from hgma_compensation.node.ros_clock import RosClock
+from hgma_compensation.node.state_keeper import StateKeeper
 from hgma_compensation.node.streams import Streams
 from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_compensation.pipeline.prepared import Prepared
@@ -37,13 +38,14 @@ class CompensationNode(ManagedNode):
         if self.get_parameter(parameters.ON_BAD_TEMPERATURE.name).value == "stop":
             self._live.stop_on = UNUSABLE
         self._streams = Streams(self, self._live, frame_id=str(self.get_parameter(parameters.FRAME_ID.name).value))
+        self._keeper = StateKeeper(self, self._live)
         self._state = "unconfigured"
         loader = CalibrationLoader(self, self._live, self._streams.serve)
         self._calibration = CalibrationParameter(self, loader, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
         self.create_service(Trigger, "~/reset", self._on_reset)
         name = f"{self.get_fully_qualified_name().lstrip('/')}: compensation"
-        self._report = DiagnosticReport(name, [self._streams.endpoints.events])
+        self._report = DiagnosticReport(name, [self._keeper, self._streams.endpoints.events])
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._ros_clock = RosClock(self, self._live.counts)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics)
@@ -68,6 +70,7 @@ class CompensationNode(ManagedNode):
             if prepared is None:
                 return TransitionCallbackReturn.FAILURE
             self._use(prepared)
+        self._keeper.begin()
         self._streams.open()
         parameters.warn_of_unknown(self, qos=True)
         self._enter("inactive")
@@ -87,12 +90,14 @@ class CompensationNode(ManagedNode):
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop publishing; the thermistor is still followed."""
         self._enter("inactive")
+        self._keeper.save()
         return super().on_deactivate(state)
 
     @reported
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Close the topics and forget calibration and history."""
         self._streams.close()
+        self._keeper.finish()
         self._live.remove_calibration()
         self._live.reset()
         self._enter("unconfigured")
@@ -102,6 +107,7 @@ class CompensationNode(ManagedNode):
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Close the topics."""
         self._streams.close()
+        self._keeper.finish()
         self._enter("finalized")
         return super().on_shutdown(state)
 
@@ -111,6 +117,11 @@ class CompensationNode(ManagedNode):
         self._enter("finalized")  # where rclpy leads if cleaning up fails too
         self.get_logger().error("closing all topics after the error; configure the node when its cause is removed")
         return self.on_cleanup(state)
+
+    def destroy_node(self) -> None:
+        """Save what is to be kept over a restart, and end."""
+        self._keeper.finish()
+        super().destroy_node()
 
     def _enter(self, state: str) -> None:
         self._state, self._streams.publishing = state, state == "active"
@@ -146,7 +157,8 @@ class CompensationNode(ManagedNode):
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._live.reset()
-        response.success, response.message = True, "filter, memories and history cleared, calibration kept"
+        cleared = "filter, memories and history cleared, calibration kept"
+        response.success, response.message = True, cleared + self._keeper.discard()
         return response
 
     def _on_diagnostics(self) -> None:

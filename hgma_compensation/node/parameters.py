@@ -73,6 +73,26 @@ ON_BAD_TEMPERATURE = ParameterRow(
     read_only=True,
     choices=("continue", "stop"),
 )
+STATE_FILE = ParameterRow(
+    "state_file",
+    "",
+    "File that keeps the memories over a restart, one for each node; empty: none is kept",
+    read_only=True,
+)
+STATE_PERIOD = ParameterRow(
+    "state_period",
+    10.0,
+    "s between two saves; above 60 s a crash looks like a lack of power to effects that warm up",
+    read_only=True,
+    bounds=(1.0, 3600.0),
+)
+STATE_MAX_AGE = ParameterRow(
+    "state_max_age",
+    3600.0,
+    "s between the newest stamp in the file and the first sample after which the file is dropped",
+    read_only=True,
+    bounds=(0.0, 1e7),
+)
 USE_SIM_TIME = ParameterRow("use_sim_time", False, "Take the time of the diagnostics from /clock")
 
 PARAMETERS = (
@@ -82,6 +102,9 @@ PARAMETERS = (
     AUTOSTART,
     FRAME_ID,
     ON_BAD_TEMPERATURE,
+    STATE_FILE,
+    STATE_PERIOD,
+    STATE_MAX_AGE,
     USE_SIM_TIME,
 )
 """All of them, in the order of params/compensation.yaml."""

@@ -11,10 +11,11 @@ from hgma_compensation.effects.conditions import Conditions
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.effects.stage import EffectStage
 from hgma_compensation.pipeline.held_series import HeldSeries
-from hgma_compensation.stamps import Stamps, to_nanoseconds
+from hgma_compensation.stamps import NANOSECONDS, Stamps, to_nanoseconds
 from hgma_compensation.temperature.features import FeatureSettings
 from hgma_compensation.temperature.track import Sample, TemperatureTrack
 from hgma_compensation.temperature.updates import Updates
+from hgma_compensation.time_jumps import TIME_JUMP
 
 Array = NDArray[np.float64]
 
@@ -105,13 +106,22 @@ class Inputs:
         first = self.temperature_2.first
         return temperature if first is None else np.where(stamps - self._latency < first, np.nan, temperature)
 
-    def snapshot(self) -> dict[str, Any]:
-        """Return, as plain JSON, all that later readings depend on."""
-        return {
-            "temperature": self.temperature.snapshot(self._reach),
-            "temperature_2": self.temperature_2.snapshot(self._reach),
-            "supply_voltage": self.supply_voltage.snapshot(self._reach),
+    def snapshot(self, newest: int | None) -> dict[str, Any]:
+        """Return, as plain JSON, all that readings depend on once the accelerometer has come to a stamp, ns."""
+        series: dict[str, TemperatureTrack | HeldSeries] = {
+            "temperature": self.temperature,
+            "temperature_2": self.temperature_2,
+            "supply_voltage": self.supply_voltage,
         }
+        return {name: one.snapshot(self._still_read(one.updates.last, newest)) for name, one in series.items()}
+
+    def _still_read(self, last: int | None, newest: int | None) -> float:
+        """Return the s of history before the sample at ``last`` that a reading may still ask for, both in ns."""
+        if last is None or newest is None:
+            return self._reach
+        # The accelerometer's own stamps may step back by as much as is not yet a jump.
+        behind = (last - newest + TIME_JUMP) / NANOSECONDS
+        return self._reach - ACCELERATION_LAG + min(max(behind, 0.0), ACCELERATION_LAG)
 
     def restore(self, snapshot: dict[str, Any]) -> None:
         """Go on from a snapshot; raises ValueError where it does not fit."""

@@ -2,8 +2,8 @@
 
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
-from math import inf
+from dataclasses import dataclass, replace
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,16 +11,20 @@ from numpy.typing import NDArray
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import columns_of, group_of
 from hgma_compensation.effects.effect import Need
+from hgma_compensation.errors import RefusedError
 from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.pipeline.health import Health
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG
+from hgma_compensation.pipeline.live_state import ACCELERATION, INPUTS, LiveState
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.prepared import Histories, Prepared, prepare
 from hgma_compensation.pipeline.reasons import LATE, MISSING, STALE, Note, Skip, sample_name, status_name
 from hgma_compensation.pipeline.remembered import Remembered
 from hgma_compensation.pipeline.rest_monitor import RestMonitor
 from hgma_compensation.pipeline.screening import out_of_step, reason_to_skip
+from hgma_compensation.pipeline.settling import MemorySpan, Unsettled, unsettled
 from hgma_compensation.pipeline.status import TemperatureStatus
+from hgma_compensation.pipeline.taking_up import Offer, Past
 from hgma_compensation.stamps import Stamps, to_nanoseconds
 from hgma_compensation.temperature.track import Sample
 from hgma_compensation.temperature.updates import POWER_OFF
@@ -57,6 +61,9 @@ class LiveCompensation:
         self._pipeline: Pipeline | None = None
         self._frame: str | None = None
         self._remembered: dict[Need | None, Remembered] = {need: Remembered() for need in SLOW_INPUTS}
+        self._span = MemorySpan()
+        self._offer: Offer | None = None
+        self.past = Past.NONE
 
     @property
     def calibration(self) -> Calibration | None:
@@ -130,9 +137,70 @@ class LiveCompensation:
         """Forget the history of all inputs, memories and filter states; calibration and counts stay."""
         for samples in self._remembered.values():
             samples.clear()
+        self._span = MemorySpan()
+        self._offer, self.past = None, Past.CLEARED
         if self._pipeline is not None and self._rest is not None:
             self._pipeline.reset()
             self._rest.reset()
+
+    @property
+    def _newest(self) -> int | None:
+        """Newest stamp of the accelerometer, ns."""
+        return None if self._pipeline is None else self._pipeline.newest
+
+    @property
+    def unsettled(self) -> list[Unsettled]:
+        """Effects of the calibration in use that still show that their memory began without a past."""
+        return unsettled(self.calibration, self._span) if self.calibration else []
+
+    @property
+    def position(self) -> tuple[int | None, ...] | None:
+        """Newest stamps of all inputs, ns, which tell whether a snapshot would be another; None before there is one.
+
+        While a state waits for the first sample there is none: it must not be replaced by less.
+        """
+        if self._offer is not None:
+            return None
+        stamps = (self._newest, *(self._remembered[need].newest for need in SLOW_INPUTS))
+        return None if stamps == (None,) * len(stamps) else stamps
+
+    def snapshot(self) -> LiveState:
+        """Return all that later drift depends on; the Kalman stages begin anew after it."""
+        return LiveState(
+            self.calibration.calibration_id if self.calibration else "",
+            self.calibration.sensor_id if self.calibration else "",
+            self._pipeline.snapshot() if self._pipeline else None,
+            {need: samples.copy() for need, samples in self._remembered.items()},
+            replace(self._span),
+            self._newest,
+        )
+
+    def offer(self, state: LiveState, max_age: float) -> None:
+        """Take a state up when the first sample comes, if that is at most ``max_age`` s younger; else drop it."""
+        self._offer, self.past = Offer(state, to_nanoseconds(max_age)), Past.WAITING
+
+    def _begin(self, source: str, stamp: int) -> None:
+        """Decide, at the first sample, whether the state that is offered is taken up."""
+        assert self._offer is not None
+        offer, self._offer = self._offer, None
+        self.past = offer.judge(source, stamp, self.calibration.sensor_id if self.calibration else "")
+        if self.past is Past.TAKEN_UP:
+            self.restore(offer.state)
+        else:
+            self.counts[self.past.value] += 1
+
+    def restore(self, state: LiveState) -> None:
+        """Go on from a state; memories of another calibration's are built anew from the samples in it."""
+        self._remembered.update({need: samples.copy() for need, samples in state.remembered.items()})
+        self._span = replace(state.span)
+        self.past = Past.REPLAYED
+        if self._pipeline is None:
+            return
+        try:
+            self._pipeline.restore(state.pipeline or {})
+            self.past = Past.TAKEN_UP
+        except RefusedError:
+            self.install(self._pipeline.calibration)
 
     def add_temperature(self, stamp: int, celsius: float) -> None:
         """Take a thermistor sample (ns, °C)."""
@@ -148,11 +216,15 @@ class LiveCompensation:
         self._add(Need.SUPPLY_VOLTAGE, stamp, volts)
 
     def _add(self, need: Need | None, stamp: int, value: float) -> None:
+        if self._offer is not None and stamp > 0 and isfinite(value):
+            self._begin(INPUTS[need], stamp)
         remembered = self._remembered[need]
         remembered.add(stamp, value)
         if self._pipeline is None or need not in self._pipeline.inputs.wanted:
             return
         sample = self._pipeline.add(need, stamp, value)
+        if need is None:
+            self._span.add(stamp, value, sample)
         if sample is Sample.RESTARTED:
             remembered.clear()
             remembered.add(stamp, value)
@@ -175,14 +247,16 @@ class LiveCompensation:
         is calibrated, or that an effect reads, is skipped whole, so that none enters a filter.
         """
         self.received += len(stamps)
-        pipeline = self._pipeline
-        if pipeline is None:
+        if self._pipeline is None:
             self._skip(Skip.NO_CALIBRATION, len(stamps))
             return None
-        reason = reason_to_skip(stamps, values[:, pipeline.columns_read])
+        reason = reason_to_skip(stamps, values[:, self._pipeline.columns_read])
         if reason is not None:
             self._skip(reason, len(stamps))
             return None
+        if self._offer is not None and len(stamps):
+            self._begin(ACCELERATION, int(stamps[0]))
+        pipeline = self._pipeline
         for note, count in out_of_step(stamps, pipeline.newest).items():
             self.counts[note.value] += count
         wanted = values[:, columns_of(pipeline.calibration.names)]

@@ -212,8 +212,8 @@ class Pipeline:
         """Return, as plain JSON, all that later drift depends on; the Kalman stages begin anew after it."""
         return {
             "calibration_id": self.calibration.calibration_id,
-            "inputs": self.inputs.snapshot(),
-            "newest": self._stretches.newest,
+            "inputs": self.inputs.snapshot(self.newest),
+            "stretches": self._stretches.snapshot(),
             "effects": self.stage.snapshot(),
         }
 
@@ -228,7 +228,7 @@ class Pipeline:
         try:
             self.inputs.restore(snapshot["inputs"])
             self.stage.restore(snapshot["effects"])
-            self._stretches.newest = None if snapshot["newest"] is None else int(snapshot["newest"])
+            self._stretches.restore(snapshot["stretches"])
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             self.reset()
             raise RefusedError(f"the snapshot is damaged ({error}): start without it") from None

@@ -5,6 +5,7 @@ from enum import Enum
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.pipeline.stretches import Cut
+from hgma_compensation.pipeline.taking_up import DROPPED
 from hgma_compensation.pipeline.transport import TRANSPORT_REMEDIES
 from hgma_compensation.temperature.track import Sample
 
@@ -114,6 +115,7 @@ REMEDIES: dict[str, str] = {
     "send 0 for unknown, -1 in element 0 for absent (REP-145)",
     Note.TEMPERATURE_AHEAD.value: "the thermistor's stamps are more than a minute ahead of the accelerometer's: "
     "use one clock for both",
+    **{past.value: remedy for past, remedy in DROPPED.items()},
     **{cut.value: remedy for cut, remedy in _CLOCKS.items()},
     **{note.value: _LATE.format(_INPUTS[need][0]) for need, note in LATE.items()},
     **{note.value: _MISSING.format(_INPUTS[need][0], need.value) for need, note in MISSING.items()},

@@ -1,7 +1,7 @@
 """Samples of a slow input, kept so that a calibration that is swapped in knows the past."""
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
 
@@ -44,6 +44,26 @@ class Remembered:
         """Yield the samples, oldest first; ``power_on`` is the stamp of the power-on before them, ns."""
         yield from self._older
         yield from self._recent
+
+    @classmethod
+    def of(cls, power_on: int | None, samples: Iterable[Pair]) -> "Remembered":
+        """Return what is remembered of samples after a power-on at a stamp in ns, None for that of the first."""
+        remembered = cls()
+        remembered.power_on = power_on
+        for stamp, value in samples:
+            remembered.add(stamp, value)
+        return remembered
+
+    @property
+    def newest(self) -> int | None:
+        """Stamp of the sample that came last, ns."""
+        return self._recent[-1][0] if self._recent else None
+
+    def copy(self) -> "Remembered":
+        """Return what is remembered now; it is not changed by samples that come later."""
+        twin = Remembered()
+        twin._recent, twin._older, twin.power_on = self._recent.copy(), self._older.copy(), self.power_on
+        return twin
 
     def clear(self) -> None:
         """Forget all samples."""

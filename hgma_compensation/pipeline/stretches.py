@@ -41,6 +41,17 @@ class Stretches:
         self._first = 0
         self._pause: tuple[int, int] | None = None
 
+    def snapshot(self) -> list[int | None]:
+        """Return the stamps of beginning and end of the time line as plain JSON."""
+        return [self._first, self.newest]
+
+    def restore(self, snapshot: list[int | None]) -> None:
+        """Go on from a snapshot; raises ValueError or TypeError where it is none."""
+        self.reset()
+        first, newest = snapshot
+        if newest is not None:
+            self._first, self.newest = int(first or 0), int(newest)
+
     def split(self, stamps: Stamps, longest: int) -> Iterator[tuple[slice, Cut]]:
         """Yield the rows of each stretch of at most ``longest`` samples, and what happened before it."""
         start = 0

@@ -61,6 +61,8 @@ class TrendFilter:
         self.reset()
         if snapshot:
             self._temperature, self._rate, self._p_tt, self._p_tr, self._p_rr = (float(value) for value in snapshot)
+            if min(self._p_tt, self._p_rr) < 0.0 or self._p_tr**2 > self._p_tt * self._p_rr * (1.0 + 1e-6):
+                raise ValueError("a covariance that is none")
             self._started = True
 
     def step(self, dt: float, measured: float) -> TrendStep:

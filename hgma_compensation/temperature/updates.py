@@ -67,6 +67,16 @@ class Updates:
         return int(self._table.stamps[-1]) if len(self) else None
 
     @property
+    def stamps(self) -> Stamps:
+        """Stamps (n,) of the updates that are held, ns."""
+        return self._table.stamps
+
+    @property
+    def temperatures(self) -> Array:
+        """Temperatures (n,) of the updates that are held, °C."""
+        return self._table.values[:, 0]
+
+    @property
     def power_on(self) -> int | None:
         """Stamp of the newest power-on, ns."""
         return int(self._table.power_on[-1]) if len(self) else None
