@@ -15,6 +15,7 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from pathlib import Path
 
+from benchmarks.soak.fuzz.mutator import Seeds
 from benchmarks.soak.fuzz.slice import Outcome, run
 
 CORPUS = Path(__file__).parents[2] / "test" / "fuzz_corpus" / "calibrations"
@@ -24,7 +25,7 @@ SLICE = 20_000
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the fuzzer and print a table; return 1 where a document crashed, hung, or was accepted wrongly."""
     options = _options(arguments)
-    seeds = [path.read_bytes() for path in sorted(CORPUS.iterdir())]
+    seeds = Seeds(_documents("accepted"), _documents("refused"))
     sizes = [min(SLICE, options.count - start) for start in range(0, options.count, SLICE)]
     began, total = time.monotonic(), Outcome()
     with ProcessPoolExecutor(options.jobs, get_context("spawn")) as pool:
@@ -47,6 +48,10 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--findings", type=Path, help="folder for the documents that something is wrong with")
     return parser.parse_args(arguments)
+
+
+def _documents(verdict: str) -> list[bytes]:
+    return [path.read_bytes() for path in sorted((CORPUS / verdict).iterdir())]
 
 
 def _add(total: Outcome, part: Outcome) -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.soak.fuzz import oracle, trial_run
-from benchmarks.soak.fuzz.mutator import Class, Mutant, Mutator
+from benchmarks.soak.fuzz.mutator import Class, Mutant, Mutator, Seeds
 from hgma_compensation.calibration.document import parse_calibration
 from hgma_compensation.errors import LONGEST, RefusedError
 
@@ -41,7 +41,7 @@ class Outcome:
     slowest: float = 0.0
 
 
-def run(seeds: list[bytes], count: int, number: int, seed: int) -> Outcome:
+def run(seeds: Seeds, count: int, number: int, seed: int) -> Outcome:
     """Try ``count`` documents; the same seed and number give the same documents."""
     chance = random.Random(f"{seed}/{number}")
     mutator, outcome = Mutator(seeds, chance), Outcome()
