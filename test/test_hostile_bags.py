@@ -12,6 +12,7 @@ from builders import make_recording
 from hostile_bags import ONE_TOPIC, TOPICS, bombs, write_database
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from refusals import refusal_of
 
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.node.message_types import message_class
@@ -69,8 +70,15 @@ def test_a_database_whose_messages_are_an_endless_query_is_refused(tmp_path):
         read_recording(write_database(tmp_path / "endless.db3", TOPICS, ONE_TOPIC, view))
 
 
-@pytest.mark.parametrize("name", ["../secret/secret.mcap", "/etc/passwd", "pipe.mcap"])
-def test_metadata_cannot_name_a_file_outside_of_the_bag_or_one_that_blocks(tmp_path, name):
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("../secret/secret.mcap", "secret.mcap cannot be read .No such file"),
+        ("/etc/passwd", "passwd cannot be read .No such file"),
+        ("elsewhere/pipe.mcap", "pipe.mcap is not a regular file"),
+    ],
+)
+def test_metadata_cannot_name_a_file_outside_of_the_bag_or_one_that_blocks(tmp_path, name, reason):
     write_recording(RECORDING, tmp_path / "secret")
     bag = shutil.copytree(tmp_path / "secret", tmp_path / "bag")
     (bag / "secret.mcap").unlink()
@@ -78,7 +86,7 @@ def test_metadata_cannot_name_a_file_outside_of_the_bag_or_one_that_blocks(tmp_p
     metadata = yaml.safe_load((bag / "metadata.yaml").read_text())
     metadata["rosbag2_bagfile_information"]["relative_file_paths"] = [name]
     (bag / "metadata.yaml").write_text(yaml.safe_dump(metadata))
-    with pytest.raises(RefusedError, match=f"{bag}/{Path(name).name}"):
+    with pytest.raises(RefusedError, match=f"{bag}/{reason}"):
         read_recording(bag)
 
 
@@ -105,10 +113,7 @@ def test_a_bag_with_flipped_bytes_is_read_or_refused_in_one_line(storages, seed,
         damaged[at % len(damaged)] = chance.choice((0, 1, 127, 255, chance.randrange(256)))
     path = folder / f"damaged{suffix}"
     path.write_bytes(damaged)
-    try:
-        read_recording(path)
-    except RefusedError as refusal:
-        assert str(refusal).startswith(f"bag {path}")
+    assert (refusal_of(read_recording, path) or f"bag {path}").startswith(f"bag {path}")
 
 
 @pytest.mark.parametrize("name", ["os/path/join", "antigravity", "../msg/Imu", "sensor_msgs/msg/Imu\n", "a.b/msg/C"])

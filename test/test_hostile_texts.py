@@ -7,6 +7,7 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from refusals import refusal_of
 from simulation_scenarios import PARAMS
 
 from benchmarks.soak.fuzz import text_mutations, tree_mutations
@@ -118,10 +119,7 @@ def mutant(seed):
 def test_a_damaged_scenario_is_read_or_refused_with_its_name(tmp_path_factory, seed):
     path = tmp_path_factory.getbasetemp() / "damaged.yaml"
     path.write_bytes(mutant(seed))
-    try:
-        read_scenario(path)
-    except RefusedError as refusal:
-        assert str(path) in str(refusal)
+    assert str(path) in (refusal_of(read_scenario, path) or str(path))
 
 
 @settings(max_examples=200)
@@ -130,7 +128,4 @@ def test_a_damaged_table_is_read_or_refused_with_its_name(tmp_path_factory, seed
     path = tmp_path_factory.getbasetemp() / "damaged.csv"
     table = "t,a\n" + "".join(f"{n},{n * 0.5}\n" for n in range(20))
     path.write_bytes(text_mutations.mutate(table.encode(), b'"t",\x00\n1e999,-inf\r1_0', random.Random(seed)))
-    try:
-        read_columns(path, {"time": "t", "value": "a"})
-    except RefusedError as refusal:
-        assert str(path) in str(refusal)
+    assert str(path) in (refusal_of(read_columns, path, {"time": "t", "value": "a"}) or str(path))
