@@ -32,11 +32,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         slices = {pool.submit(run, seeds, size, number, options.seed): number for number, size in enumerate(sizes)}
         for done in as_completed(slices):
             try:
-                _add(total, done.result())
+                part = done.result()
             except BrokenProcessPool:
-                total.findings.append((f"a process died in one of the slices, at the latest in {slices[done]}", b""))
+                part = Outcome(findings=[(f"a process died in a slice, at the latest in {slices[done]}", b"")])
+            _add(total, part)
+            _save(part, options.findings)
             print(_progress(total, options.count, time.monotonic() - began), flush=True)
-    _save(total, options.findings)
     print(_table(total, time.monotonic() - began))
     return 1 if total.findings else 0
 
@@ -66,10 +67,11 @@ def _progress(total: Outcome, count: int, seconds: float) -> str:
     return f"{done} of {count}, {done / seconds:.0f}/s, {len(total.findings)} findings"
 
 
-def _save(total: Outcome, folder: Path | None) -> None:
-    if folder is not None and total.findings:
+def _save(part: Outcome, folder: Path | None) -> None:
+    """Keep the documents as soon as they are found: a long run may be cut off."""
+    if folder is not None and part.findings:
         folder.mkdir(parents=True, exist_ok=True)
-        for _, content in total.findings:
+        for _, content in part.findings:
             (folder / f"{hashlib.sha256(content).hexdigest()[:16]}.json").write_bytes(content)
 
 
