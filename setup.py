@@ -42,6 +42,7 @@ OFFLINE = [
 ]
 TEST = [
     "catkin_pkg>=1.0,<2",
+    "cyclonedds>=11,<12",  # another DDS, which reads what the node publishes
     "hypothesis>=6.98,<7",
     "jsonschema>=4.10,<5",
     "mypy>=1.15,<3",

@@ -12,11 +12,14 @@ def generate_launch_description() -> LaunchDescription:
     """Return the node and its arguments."""
     arguments = {
         "calibration_file": ("", "Calibration written by hgma train"),
+        "calibration_directory": ("", "Directory that calibrations must lie in; empty: anywhere"),
+        "expected_sensor_id": ("", "The sensor_id that a calibration must carry; empty: any"),
         "namespace": ("", "Namespace of the node and its topics"),
         "raw": ("accel/raw", "Topic of the raw sensor_msgs/Imu"),
         "temperature": ("accel/temperature", "Topic of the thermistor's sensor_msgs/Temperature"),
         "compensated": ("accel/compensated", "Topic of the compensated sensor_msgs/Imu"),
         "use_sim_time": ("false", "Follow /clock"),
+        "respawn": ("true", "Start the node anew after it has ended by an error of its own"),
     }
     node = LifecycleNode(
         package="hgma_compensation",
@@ -24,11 +27,16 @@ def generate_launch_description() -> LaunchDescription:
         name="compensation_node",
         namespace=LaunchConfiguration("namespace"),
         output="screen",
+        respawn=LaunchConfiguration("respawn"),
+        respawn_delay=2.0,
         parameters=[
             {
-                "calibration_file": ParameterValue(LaunchConfiguration("calibration_file"), value_type=str),
+                name: ParameterValue(LaunchConfiguration(name), value_type=str)
+                for name in ("calibration_file", "calibration_directory", "expected_sensor_id")
+            },
+            {
                 "use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool),
-            }
+            },
         ],
         remappings=[(f"accel/{name}", LaunchConfiguration(name)) for name in ("raw", "temperature", "compensated")],
     )

@@ -5,10 +5,11 @@ import time
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from lifecycle_msgs.srv import ChangeState, GetState
+from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Imu, Temperature
 from std_srvs.srv import Trigger
 
@@ -44,6 +45,20 @@ class Robot:
         messages = []
         self.node.create_subscription(message_type, topic, messages.append, QOS)
         return messages
+
+    def log(self):
+        """Return a list of what the node's log says, also what it said before."""
+        lines = []
+        qos = QoSProfile(
+            depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+        )
+
+        def take(entry):
+            if entry.name == NODE.lstrip("/"):
+                lines.append(entry.msg)
+
+        self.node.create_subscription(Log, "/rosout", take, qos)
+        return lines
 
     def wait(self, condition, what, timeout=TIMEOUT):
         end = time.monotonic() + timeout

@@ -171,6 +171,7 @@ def test_number_that_is_none_is_refused(calibration_file, literal, reason):
         (b'{"format": "hgma_calibration"}', "version is None, this program reads version 1"),
         (b'{"format": "hgma_calibration", "format": "hgma_calibration"}', "format is given twice"),
         (b"[" * 100_000, "nested too deeply"),
+        (b"[" + b"1," * 100_000 + b"1]", "far more elements than a calibration"),
         (b'{"a":' * 100_000, "nested too deeply"),
         (b"\x00" * 100, "is not complete JSON"),
     ],

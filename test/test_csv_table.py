@@ -29,7 +29,8 @@ def test_columns_become_si_channels(tmp_path):
         acceleration_unit="g",
         rate_unit="deg/s",
     )
-    assert recording.stamps.tolist() == [0, NANOSECONDS // 2]
+    # A stamp of 0 says in ROS that there is none.
+    assert recording.stamps.tolist() == [NANOSECONDS, NANOSECONDS + NANOSECONDS // 2]
     np.testing.assert_allclose(recording.values[:, 2], [9.80665, 14.709975])
     np.testing.assert_allclose(recording.values[:, 4], [np.pi / 2, np.pi])
     np.testing.assert_allclose(recording.temperature.values, [26.85, 27.85])

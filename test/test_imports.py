@@ -23,8 +23,12 @@ def test_arithmetic_knows_no_ros(module):
 
 
 def test_the_node_needs_nothing_of_the_offline_tools():
-    assert not modules_after("import hgma_compensation.node.main") & OFFLINE
+    assert not modules_after("import hgma_compensation.node.running") & OFFLINE
 
 
 def test_the_command_imports_only_what_is_called():
     assert not modules_after("import hgma_compensation.cli.main") & ((OFFLINE - {"click"}) | ROS)
+
+
+def test_the_node_catches_signals_before_it_loads_ros():
+    assert not modules_after("import hgma_compensation.node.main") & (OFFLINE | ROS | {"numpy"})

@@ -12,6 +12,7 @@ from hgma_compensation.pipeline.reasons import REMEDIES, Note, Skip, sample_name
 from hgma_compensation.pipeline.remembered import REMEMBERED, Remembered
 from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.pipeline.stretches import Cut
+from hgma_compensation.pipeline.transport import TRANSPORT_REMEDIES
 from hgma_compensation.recording.compensated_bag import compensate_recording
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.temperature.track import Sample
@@ -97,6 +98,7 @@ def test_every_reason_tells_the_operator_what_to_do():
     names = {reason.value for reason in (*Skip, *Note)} | {cut.value for cut in Cut if cut is not Cut.NONE}
     names |= {sample_name(need, sample) for need in SLOW_INPUTS for sample in bad}
     names |= {status_name(status) for status in TemperatureStatus if status is not TemperatureStatus.OK}
+    names |= set(TRANSPORT_REMEDIES)
     assert names - {f"supply_voltage_{what}" for what in ("moved", "stuck", "jumped")} == set(REMEDIES)
     assert not any("{" in remedy for remedy in REMEDIES.values())
 

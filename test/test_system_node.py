@@ -80,7 +80,7 @@ def test_every_sample_comes_back_compensated_with_the_rest_untouched(environment
     for row, (before, after) in enumerate(zip(sent, robot.compensated, strict=True)):
         after.linear_acceleration.z = before.linear_acceleration.z
         if expected.status[row]:
-            before.linear_acceleration_covariance[8] += expected.uncertainty[row, 0] ** 2
+            before.linear_acceleration_covariance[8] += expected.added_variance(row)[0]
         assert after == before
 
 

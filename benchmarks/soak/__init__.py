@@ -1,1 +1,1 @@
-"""Long runs that look for what no single test shows."""
+"""Bounded runs under load that end with a verdict; each prints its figures as one line of JSON."""

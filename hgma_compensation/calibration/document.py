@@ -2,29 +2,32 @@
 
 import hashlib
 import json
-import os
-import stat
-from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from hgma_compensation import schema_check
+from hgma_compensation import json_text, schema_check
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.encoding import FORMAT, VERSION, Document, decode, encode
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
 from hgma_compensation.plain_values import check_plain
+from hgma_compensation.regular_file import read_regular_file
 
-LARGEST_FILE = 4 << 20
-"""Bytes. The largest network that the schema allows is a tenth of it."""
+LARGEST_FILE = 1 << 20
+"""Bytes. Six channels with the largest networks, and 64 effects with all their gains, take 0.8 of it."""
+
+MOST_COMMAS = 60_000
+"""In a file; the largest calibration has half of it. Bounds what there is to make of it, and to throw away."""
+
+LONGEST_SHOWN = 300
+"""Characters of a path in a refusal."""
 
 
 def content_id(document: Document) -> str:
     """Return the id of a document's content: everything in it but the id."""
     content = {name: value for name, value in document.items() if name != "calibration_id"}
-    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return "sha256-" + hashlib.sha256(canonical.encode()).hexdigest()[:16]
+    return "sha256-" + hashlib.sha256(json_text.canonical(content).encode()).hexdigest()[:16]
 
 
 def with_id(calibration: Calibration) -> Calibration:
@@ -33,21 +36,37 @@ def with_id(calibration: Calibration) -> Calibration:
 
 
 def write_calibration(calibration: Calibration, path: Path) -> None:
-    """Write a calibration that has its id; the file appears whole or not at all."""
+    """Write a calibration that has its id; the file appears whole or not at all.
+
+    Raises RefusedError where it cannot be written, or would be larger than what is read again.
+    """
     document = encode(calibration)
     ordered = {"format": FORMAT, "version": VERSION, "calibration_id": calibration.calibration_id, **document}
-    write_atomically(path, (json.dumps(ordered, indent=1, allow_nan=False) + "\n").encode())
+    content = (json.dumps(ordered, indent=1, allow_nan=False) + "\n").encode()
+    if len(content) > LARGEST_FILE:
+        raise RefusedError(
+            f"calibration {shown(path)} would have {len(content)} bytes, more than {LARGEST_FILE}: "
+            "train on fewer recordings"
+        )
+    write_atomically(path, content)
 
 
-def read_calibration(path: Path) -> Calibration:
+def read_calibration(path: Path, *, directory: Path | None = None) -> Calibration:
     """Return the calibration in a file.
 
-    Raises RefusedError, naming file, field and remedy, for anything but a whole, valid file.
+    directory: where the file must lie, after all symbolic links; None for anywhere. Raises RefusedError, naming file,
+    field and remedy, for anything but a whole, valid, regular file.
     """
     try:
-        return parse_calibration(_read_bytes(path))
+        return parse_calibration(read_regular_file(path, LARGEST_FILE, directory))
     except RefusedError as refusal:
-        raise RefusedError(f"calibration {path}: {refusal}") from None
+        raise RefusedError(f"calibration {shown(path)}: {refusal}") from None
+
+
+def shown(path: Path) -> str:
+    """Return a path as it may stand in a line that people read: of bounded length, without control characters."""
+    text = str(path) if str(path).isprintable() else ascii(str(path))
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
 
 
 def parse_calibration(content: bytes) -> Calibration:
@@ -81,29 +100,12 @@ def _check_id(document: Document) -> None:
         )
 
 
-def _read_bytes(path: Path) -> bytes:
-    try:
-        # Not blocking: opening a named pipe would otherwise wait for a writer that never comes.
-        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
-    except OSError as error:
-        raise RefusedError(f"cannot be opened ({error.strerror}): check the path and its permissions") from None
-    try:
-        status = os.fstat(descriptor)
-        if not stat.S_ISREG(status.st_mode):
-            raise RefusedError("is not a regular file: give the JSON file written by hgma train")
-        if status.st_size > LARGEST_FILE:
-            raise RefusedError(f"has {status.st_size} bytes, more than {LARGEST_FILE}: this is not a calibration")
-        with os.fdopen(descriptor, "rb", closefd=False) as file:
-            return file.read(LARGEST_FILE)
-    except OSError as error:
-        raise RefusedError(f"cannot be read ({error.strerror}): copy it again") from None
-    finally:
-        os.close(descriptor)
-
-
 def _parse_json(content: bytes) -> Any:
     try:
-        document = json.loads(content.decode("utf-8"), parse_constant=_refuse_constant, object_pairs_hook=_unique)
+        text = content.decode("utf-8")
+        if text.count(",") > MOST_COMMAS:
+            raise RefusedError("has far more elements than a calibration: give the JSON file written by hgma train")
+        document = json_text.parse(text, object_pairs=_unique, constant=_refuse_constant)
     except RefusedError:
         raise
     except UnicodeDecodeError:
@@ -127,9 +129,10 @@ def _refuse_constant(name: str) -> Any:
     )
 
 
-def _unique(pairs: list[tuple[str, Any]]) -> Document:
-    document = dict(pairs)
-    if len(document) < len(pairs):
-        ((twice, _),) = Counter(name for name, _ in pairs).most_common(1)
-        raise RefusedError(f"{twice[:60]} is given twice: the file was edited, take it from its source again")
+def _unique(pairs: json_text.Pairs) -> Document:
+    document: Document = {}
+    for name, value in pairs:
+        if name in document:
+            raise RefusedError(f"{name} is given twice: the file was edited, take it from its source again")
+        document[name] = value
     return document

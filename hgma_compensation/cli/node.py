@@ -2,7 +2,7 @@
 
 import click
 
-from hgma_compensation.errors import RefusedError
+from hgma_compensation.node.main import main
 
 
 @click.command("node", context_settings={"ignore_unknown_options": True})
@@ -12,8 +12,4 @@ def command(ros_arguments: tuple[str, ...]) -> int:
 
     Example: hgma node --ros-args -p calibration_file:=calibration.json -r accel/raw:=imu/data_raw
     """
-    try:
-        from hgma_compensation.node.main import main  # only this command and play need ROS
-    except ImportError as error:
-        raise RefusedError(f"rclpy is not installed ({error}): run make, or source your ROS 2 workspace") from error
     return main(["hgma", *ros_arguments])

@@ -60,6 +60,10 @@ class VibrationLevel:
         levels = _low_pass(float(state[0]), weights, np.where(usable, power - self.floor, 0.0))
         return np.column_stack([levels, value, _halves(stamps)])
 
+    def raised(self, state: Array, by: float) -> Array:
+        """Return the state (4,) of a sensor that showed ``by`` more in all samples so far."""
+        return state + np.array([0.0, by, 0.0, 0.0])
+
 
 def _low_pass(level: float, weights: Array, inputs: Array) -> Array:
     levels = np.empty(len(inputs))
@@ -128,6 +132,12 @@ class ShockSums:
         steps = zip(seconds.tolist(), decays.tolist(), weights.tolist(), acceleration.tolist(), strict=True)
         states = [self._move(sums, *step) for step in steps]
         return np.column_stack([np.array(states).reshape(-1, len(fields(_Sums))), _halves(stamps)])
+
+    def raised(self, state: Array, by: float) -> Array:
+        """Return the state (9,) of a sensor that showed ``by`` more in all samples so far."""
+        sums = _Sums(*state[:-2].tolist())
+        sums.level += by
+        return np.array([*vars(sums).values(), *state[-2:].tolist()])
 
     def _move(self, sums: _Sums, seconds: float, decay: float, weight: float, value: float) -> tuple[float, ...]:
         sums.pass_time(seconds, decay, self.MERGE)

@@ -16,6 +16,10 @@ class AppliedEffect:
     effect: Effect
     gains: Array
 
+    def is_same(self, other: "AppliedEffect") -> bool:
+        """Return whether the other is the same effect on the same channel, whatever its gains."""
+        return self.channel == other.channel and self.effect == other.effect
+
     def drift(self, at: Conditions, state: Array) -> Array:
         """Return what the effect adds to the channel (n,); added up column by column, so that no row changes another.
 

@@ -147,6 +147,10 @@ class AccelerationMemory(Protocol):
         """Return the states (n, m) after each of n samples: stamps (n,) in ns, acceleration (n,)."""
         ...
 
+    def raised(self, state: Array, by: float) -> Array:
+        """Return the state (m,) of a sensor that showed ``by`` more in all samples so far."""
+        ...
+
 
 Part = TypeVar("Part", bound=TemperatureMemory)
 

@@ -1,6 +1,6 @@
 """All effects of a calibration together: their memories, their order, the drift that they make."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -86,6 +86,27 @@ class EffectStage:
         at = replace(at, acceleration=acceleration)
         return [part.columns(at, states) for part in self._parts]
 
+    def shares_memories(self, before: "EffectStage") -> bool:
+        """Return whether ``succeed`` finds anything to take over."""
+        return any(True for _ in self._shared(before))
+
+    def succeed(self, before: "EffectStage", raised: Array) -> None:
+        """Take over the memories of the acceleration of all effects that another stage has too, equal and as often.
+
+        raised: (6,) by how much higher this stage sees the acceleration in each of CHANNELS.
+        """
+        for part, earlier in self._shared(before):
+            part.take_over(earlier, float(raised[column_of(part.applied.channel)]))
+
+    def _shared(self, before: "EffectStage") -> Iterator[tuple["_Part", "_Part"]]:
+        """Yield each part with a memory of the acceleration, and the one of the stage before that is its equal."""
+        left = list(before._driven)
+        for part in self._driven:
+            equal = next((e for e in left if part.applied.is_same(e.applied)), None)
+            if equal is not None:
+                left.remove(equal)
+                yield part, equal
+
     def snapshot(self) -> list[Any]:
         """Return the states of the memories of the acceleration as plain JSON."""
         return [_plain(part.state) for part in self._driven]
@@ -105,23 +126,27 @@ class _Part:
         self.acceleration_memory: AccelerationMemory | None = effect.acceleration_memory()
         self.places = np.empty(0, dtype=np.int64)
         self.on = (applied.channel, effect.per_sample)
-        self._applied, self._column = applied, column_of(applied.channel)
+        self.applied, self._column = applied, column_of(applied.channel)
         self.state = np.empty(0)
 
     def reset(self) -> None:
         if self.acceleration_memory is not None:
             self.state = self.acceleration_memory.start()
 
+    def take_over(self, earlier: "_Part", raised: float) -> None:
+        assert self.acceleration_memory is not None
+        self.state = self.acceleration_memory.raised(earlier.state, raised)
+
     def drift(self, at: Conditions, states: Array) -> Array:
-        drift = self._applied.drift(at, self._states(at, states))
+        drift = self.applied.drift(at, self._states(at, states))
         for need, given in ((Need.TEMPERATURE_2, at.temperature_2), (Need.SUPPLY_VOLTAGE, at.supply_voltage)):
-            if need in self._applied.effect.needs:
+            if need in self.applied.effect.needs:
                 # Nothing is known of an input that has not come: better no compensation of it than no output.
                 drift = np.where(np.isnan(given), 0.0, drift)
         return drift
 
     def columns(self, at: Conditions, states: Array) -> Array:
-        return np.nan_to_num(self._applied.effect.columns(at, self._states(at, states)), nan=0.0)
+        return np.nan_to_num(self.applied.effect.columns(at, self._states(at, states)), nan=0.0)
 
     def _states(self, at: Conditions, states: Array) -> Array:
         known = states[:, self.places] if len(self.places) else no_memory(len(at))

@@ -1,31 +1,32 @@
 """The parameter ``calibration_file``: validated whole before it is accepted, swapped whole after."""
 
 from collections.abc import Callable, Iterable
-from pathlib import Path
 
-from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.node.calibration_loader import CalibrationLoader
+from hgma_compensation.node.parameters import CALIBRATION_FILE
+from hgma_compensation.pipeline.prepared import Prepared
 
-NAME = "calibration_file"
-DESCRIPTION = "Calibration (JSON written by hgma train); may be set at any time, a refused file changes nothing"
+NAME = CALIBRATION_FILE.name
 
 
 class CalibrationParameter:
-    """Reads the file in rclpy's on-set callback, hands the calibration over in its post-set callback."""
+    """Has the file read in rclpy's on-set callback, hands the calibration over in its post-set callback.
 
-    def __init__(self, node: Node, use: Callable[[Calibration], None]) -> None:
-        """Declare the parameter; ``use`` is called with each calibration that was accepted."""
-        self._node, self._use = node, use
-        self._prepared: Calibration | None = None
+    While a file is read the executor waits in that callback, so that requests are answered one after the other.
+    """
+
+    def __init__(self, node: Node, loader: CalibrationLoader, use: Callable[[Prepared], None]) -> None:
+        """Follow the parameter, which is declared; ``use`` is called with each calibration that was accepted."""
+        self._node, self._loader, self._use = node, loader, use
+        self._prepared: Prepared | None = None
         self.accepted: Calibration | None = None
         self.refusal = ""
-        # Declared before the callbacks exist: the file given at the start is read when the node configures.
-        node.declare_parameter(NAME, "", ParameterDescriptor(description=DESCRIPTION))
         node.add_on_set_parameters_callback(self._validate)
         node.add_post_set_parameters_callback(self._apply)
 
@@ -34,17 +35,17 @@ class CalibrationParameter:
         """The path as it was set last, "" for none."""
         return str(self._node.get_parameter(NAME).value)
 
-    def read(self) -> Calibration | None:
+    def read(self) -> Prepared | None:
         """Return the calibration of the path that is set, None where none is set or it is refused."""
         if not self.path:
             return None
         try:
-            calibration = read_calibration(Path(self.path))
+            prepared = self._loader.load(self.path)
         except RefusedError as refusal:
             self._refuse(str(refusal))
             return None
         self.refusal = ""
-        return calibration
+        return prepared
 
     def set(self, path: str) -> SetParametersResult:
         """Set the parameter as ``ros2 param set`` would; also where the path is the same as before."""
@@ -56,7 +57,7 @@ class CalibrationParameter:
             if parameter.name != NAME:
                 continue
             try:
-                self._prepared = _read(parameter.value)
+                self._prepared = self._load(parameter.value)
             except RefusedError as refusal:
                 self._refuse(str(refusal))
                 return SetParametersResult(successful=False, reason=str(refusal))
@@ -64,15 +65,15 @@ class CalibrationParameter:
 
     def _apply(self, parameters: Iterable[Parameter]) -> None:
         if self._prepared is not None and any(parameter.name == NAME for parameter in parameters):
-            self.accepted, self._prepared, self.refusal = self._prepared, None, ""
-            self._use(self.accepted)
+            prepared, self._prepared, self.refusal = self._prepared, None, ""
+            self.accepted = prepared.pipeline.calibration
+            self._use(prepared)
 
     def _refuse(self, reason: str) -> None:
         self.refusal = reason
         self._node.get_logger().error(reason)
 
-
-def _read(value: object) -> Calibration:
-    if not isinstance(value, str) or not value:
-        raise RefusedError(f"{NAME} must be the path of a calibration file")
-    return read_calibration(Path(value))
+    def _load(self, value: object) -> Prepared:
+        if not isinstance(value, str) or not value:
+            raise RefusedError(f"{NAME} must be the path of a calibration file")
+        return self._loader.load(value)

@@ -1,21 +1,25 @@
 """The managed node ``compensation_node``."""
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import Trigger
 
-from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.node import parameters
+from hgma_compensation.node.calibration_loader import CalibrationLoader
 from hgma_compensation.node.calibration_parameter import CalibrationParameter
 from hgma_compensation.node.diagnostics import DiagnosticReport
+from hgma_compensation.node.managed_node import ManagedNode, reported
+from hgma_compensation.node.ros_clock import RosClock
 from hgma_compensation.node.streams import Streams
 from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.prepared import Prepared
+from hgma_compensation.pipeline.status import UNUSABLE
 from hgma_msgs.srv import LoadCalibration
 
 DIAGNOSTIC_PERIOD = 1.0
 
 
-class CompensationNode(LifecycleNode):
+class CompensationNode(ManagedNode):
     """Raw acceleration and thermistor in, compensated acceleration and state out.
 
     Inactive means no output; thermometers and supply voltage are followed from the configured state on, so that
@@ -25,17 +29,23 @@ class CompensationNode(LifecycleNode):
     def __init__(self) -> None:
         """Declare parameters and services; topics come with the transition to inactive."""
         super().__init__("compensation_node")
-        autostart = ParameterDescriptor(description="Configure and activate at start-up", read_only=True)
-        self._autostart = bool(self.declare_parameter("autostart", True, autostart).value)
+        # Before anything follows a parameter: the file given at the start is read when the node configures.
+        parameters.declare(self)
+        parameters.warn_of_unknown(self, qos=False)
+        self._autostart = bool(self.get_parameter(parameters.AUTOSTART.name).value)
         self._live = LiveCompensation()
-        self._streams = Streams(self, self._live)
+        if self.get_parameter(parameters.ON_BAD_TEMPERATURE.name).value == "stop":
+            self._live.stop_on = UNUSABLE
+        self._streams = Streams(self, self._live, frame_id=str(self.get_parameter(parameters.FRAME_ID.name).value))
         self._state = "unconfigured"
-        self._calibration = CalibrationParameter(self, self._accept)
+        loader = CalibrationLoader(self, self._live, self._streams.serve)
+        self._calibration = CalibrationParameter(self, loader, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
         self.create_service(Trigger, "~/reset", self._on_reset)
-        self._report = DiagnosticReport(f"{self.get_fully_qualified_name().lstrip('/')}: compensation")
+        name = f"{self.get_fully_qualified_name().lstrip('/')}: compensation"
+        self._report = DiagnosticReport(name, [self._streams.endpoints.events])
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
-        self._reported_at = self.get_clock().now()
+        self._ros_clock = RosClock(self, self._live.counts)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics)
 
     def start(self) -> None:
@@ -50,17 +60,20 @@ class CompensationNode(LifecycleNode):
 
     # Transitions ------------------------------------------------------------------------------------
 
+    @reported
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Read the calibration, if one is set, and open the topics; a refused file fails the transition."""
         if self._calibration.path:
-            calibration = self._calibration.read()
-            if calibration is None:
+            prepared = self._calibration.read()
+            if prepared is None:
                 return TransitionCallbackReturn.FAILURE
-            self._use(calibration)
+            self._use(prepared)
         self._streams.open()
+        parameters.warn_of_unknown(self, qos=True)
         self._enter("inactive")
         return super().on_configure(state)
 
+    @reported
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Begin to publish."""
         if self._live.calibration is None:
@@ -70,11 +83,13 @@ class CompensationNode(LifecycleNode):
         self._enter("active")
         return super().on_activate(state)
 
+    @reported
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop publishing; the thermistor is still followed."""
         self._enter("inactive")
         return super().on_deactivate(state)
 
+    @reported
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Close the topics and forget calibration and history."""
         self._streams.close()
@@ -83,14 +98,18 @@ class CompensationNode(LifecycleNode):
         self._enter("unconfigured")
         return super().on_cleanup(state)
 
+    @reported
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Close the topics."""
         self._streams.close()
         self._enter("finalized")
         return super().on_shutdown(state)
 
+    @reported
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Return to unconfigured, from where the node can be configured again."""
+        self._enter("finalized")  # where rclpy leads if cleaning up fails too
+        self.get_logger().error("closing all topics after the error; configure the node when its cause is removed")
         return self.on_cleanup(state)
 
     def _enter(self, state: str) -> None:
@@ -98,17 +117,20 @@ class CompensationNode(LifecycleNode):
 
     # Calibration, reset, diagnostics ----------------------------------------------------------------
 
-    def _accept(self, calibration: Calibration) -> None:
+    def _accept(self, prepared: Prepared) -> None:
         """Take a calibration that was set; a node whose first one was refused starts with it."""
         if self._state == "unconfigured":
             self.start()
         else:
-            self._use(calibration)
+            self._use(prepared)
 
-    def _use(self, calibration: Calibration) -> None:
+    def _use(self, prepared: Prepared) -> None:
         """Swap the calibration; callbacks run one at a time, so this happens between two samples."""
-        self._live.install(calibration)
+        self._live.adopt(prepared)
+        calibration = prepared.pipeline.calibration
         self.get_logger().info(f"using calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
+        # What came while the parameter was set goes before rclpy's announcement and answer, which take a sample's time.
+        self._streams.serve()
 
     def _on_load(
         self, request: LoadCalibration.Request, response: LoadCalibration.Response
@@ -128,10 +150,8 @@ class CompensationNode(LifecycleNode):
         return response
 
     def _on_diagnostics(self) -> None:
-        now = self.get_clock().now()
-        elapsed = (now - self._reported_at).nanoseconds * 1e-9
-        self._reported_at = now
+        elapsed = self._ros_clock.elapsed()
         status = self._report.status(self._live, self._state, self._calibration.refusal, elapsed)
         array = DiagnosticArray(status=[status])
-        array.header.stamp = now.to_msg()
+        array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)

@@ -23,8 +23,8 @@ def overridable() -> QoSOverridingOptions:
     return QoSOverridingOptions.with_default_policies()
 
 
-def drain(subscription: Subscription) -> Iterator[Any]:
-    """Yield the messages that wait in a subscription, oldest first.
+def take_waiting(subscription: Subscription) -> Iterator[tuple[Any, Any]]:
+    """Yield the messages that wait in a subscription, oldest first, each with what the middleware says of it.
 
     The executor wakes a callback for one message at a time, which costs more than the message.
     """
@@ -33,4 +33,9 @@ def drain(subscription: Subscription) -> Iterator[Any]:
             taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
         if taken is None:
             return
-        yield taken[0]
+        yield taken
+
+
+def drain(subscription: Subscription) -> Iterator[Any]:
+    """Yield the messages that wait in a subscription, oldest first."""
+    return (message for message, _ in take_waiting(subscription))

@@ -1,42 +1,48 @@
-"""Entry point of ``compensation_node`` and ``hgma node``."""
+"""Entry point of ``compensation_node`` and ``hgma node``; imports nothing of ROS before signals are caught."""
 
 import signal
 import sys
 import threading
 from collections.abc import Sequence
 
-import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
+from hgma_compensation.errors import RefusedError
 
-from hgma_compensation.node.compensation_node import CompensationNode
-
-STOP_LATENCY = 0.2
-"""s after which a signal is noticed at the latest."""
+REFUSED = 2
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Run the node until SIGINT, SIGTERM or a shutdown of ROS; all of them are a clean end."""
+    """Run the node until SIGINT, SIGTERM or a shutdown of ROS.
+
+    Returns the exit code: 0 after such an end, 1 after an error of the program's own, 2 where the arguments or
+    parameters are refused.
+    """
+    stop = stop_signals()
+    try:
+        return _run(list(args) if args is not None else sys.argv, stop)
+    except RefusedError as refusal:
+        print(f"error: {refusal}", file=sys.stderr)
+        return REFUSED
+    finally:
+        # A second Ctrl-C must not cut off what the middleware does after the last line of Python.
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
+
+
+def stop_signals() -> threading.Event:
+    """Return an event that SIGINT and SIGTERM set from now on."""
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
-    # rclpy's own handlers wake the executor from a thread of theirs, which races with its destruction and
-    # crashes about one end in twenty (Jazzy, 7.1.6).
-    rclpy.init(args=list(args) if args is not None else sys.argv, signal_handler_options=SignalHandlerOptions.NO)
-    executor = SingleThreadedExecutor()
-    node = CompensationNode()
-    executor.add_node(node)
+    return stop
+
+
+def _run(args: list[str], stop: threading.Event) -> int:
+    # Loading ROS takes most of a second, in which a signal must already end the process cleanly.
     try:
-        node.start()
-        while not stop.is_set() and rclpy.ok():
-            executor.spin_once(timeout_sec=STOP_LATENCY)
-    except ExternalShutdownException:
-        pass
-    finally:
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.try_shutdown()
-    return 0
+        from hgma_compensation.node.running import run
+    except ImportError as error:
+        raise RefusedError(f"ROS is not installed ({error}): run make, or source your ROS 2 workspace") from error
+    return run(args, stop)
 
 
 if __name__ == "__main__":

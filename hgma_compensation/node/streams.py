@@ -1,7 +1,6 @@
 """The node's sample topics: raw messages in, compensated messages and states out."""
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from rclpy.lifecycle import LifecycleNode
@@ -20,7 +19,8 @@ from hgma_compensation.messages import (
     stamp_of,
     widen_block,
 )
-from hgma_compensation.node.interfaces import INPUT_QOS, OUTPUT_QOS, drain, overridable
+from hgma_compensation.node.endpoints import Endpoints
+from hgma_compensation.node.losses import CountedInput
 from hgma_compensation.pipeline.live import LiveCompensation, LiveResult, single_sample
 from hgma_compensation.pipeline.reasons import Note, Skip
 from hgma_compensation.pipeline.state_fields import state_fields
@@ -30,25 +30,24 @@ from hgma_msgs.msg import AccelBlock, CompensationState, SupplyVoltage
 class Streams:
     """Subscriptions and publishers between ``open`` and ``close``; what comes is given to a LiveCompensation.
 
-    publishing: whether samples get an output; the slow inputs are followed in any case. frame_id: the one that messages
-    of the accelerometer must have, "" for any.
+    publishing: whether samples get an output; the slow inputs are followed in any case.
     """
 
-    def __init__(self, node: LifecycleNode, live: LiveCompensation) -> None:
-        """Take the node that owns the topics, which are not open yet."""
-        self._node, self._live = node, live
-        self.publishing, self.frame_id = False, ""
+    def __init__(self, node: LifecycleNode, live: LiveCompensation, *, frame_id: str) -> None:
+        """Take the node that owns the topics, which are not open yet.
+
+        frame_id: the one that messages of the accelerometer must have, "" for any.
+        """
+        self._live = live
+        self.publishing, self._wanted_frame = False, frame_id
         self._frame: str | None = None
-        self._slow: list[tuple[Any, Callable[[Any], None]]] = []
-        self._fast: list[Any] = []
-        self._publishers: list[Any] = []
+        self.endpoints = Endpoints(node, live.counts)
+        self._slow: list[tuple[CountedInput, Callable[[Any], None]]] = []
+        self._fast: list[tuple[CountedInput, Callable[[Any], None]]] = []
 
     def open(self) -> None:
         """Create subscriptions and publishers."""
-        subscribe = partial(self._node.create_subscription, qos_profile=INPUT_QOS, qos_overriding_options=overridable())
-        publish = partial(
-            self._node.create_lifecycle_publisher, qos_profile=OUTPUT_QOS, qos_overriding_options=overridable()
-        )
+        subscribe, publish = self.endpoints.subscribe, self.endpoints.publish
         # The slow inputs first: where both wait, the executor then serves them before the accelerometer.
         self._slow = [
             (subscribe(message_type, topic, take), take)
@@ -59,19 +58,16 @@ class Streams:
             )
         ]
         self._raw = subscribe(Imu, topics.RAW, self._on_raw)
-        self._fast = [self._raw, subscribe(AccelBlock, topics.RAW_BLOCK, self._on_raw_block)]
+        blocks = subscribe(AccelBlock, topics.RAW_BLOCK, self._on_raw_block)
+        self._fast = [(self._raw, self._compensate), (blocks, self._compensate_block)]
         self._compensated = publish(Imu, topics.COMPENSATED)
         self._compensated_block = publish(AccelBlock, topics.COMPENSATED_BLOCK)
         self._states = publish(CompensationState, topics.STATE)
-        self._publishers = [self._compensated, self._compensated_block, self._states]
 
     def close(self) -> None:
         """Destroy what ``open`` created; nothing where it is closed."""
-        for subscription in (*(slow for slow, _ in self._slow), *self._fast):
-            self._node.destroy_subscription(subscription)
-        for publisher in self._publishers:
-            self._node.destroy_lifecycle_publisher(publisher)
-        self._slow, self._fast, self._publishers = [], [], []
+        self.endpoints.close()
+        self._slow, self._fast = [], []
 
     def _take_temperature(self, message: Temperature) -> None:
         self._live.add_temperature(stamp_of(message), message.temperature)
@@ -88,12 +84,20 @@ class Streams:
         Called after accelerations were taken and before they are compensated: a slow sample that was sent before one
         of them is then among those taken here.
         """
-        for subscription, take in self._slow:
-            for message in drain(subscription):
+        for counted, take in self._slow:
+            for message in counted.drain():
+                take(message)
+
+    def serve(self) -> None:
+        """Compensate what waits; for a callback that keeps the executor from calling those of the topics."""
+        waiting = [(list(counted.drain()), take) for counted, take in self._fast]
+        self._drain_slow()
+        for messages, take in waiting:
+            for message in messages:
                 take(message)
 
     def _on_raw(self, message: Imu) -> None:
-        waiting = [message, *drain(self._raw)]
+        waiting = [message, *self._raw.drain()]
         self._drain_slow()
         for taken in waiting:
             self._compensate(taken)
@@ -118,7 +122,7 @@ class Streams:
         if not self.publishing:
             return Skip.NOT_ACTIVE
         if header.frame_id != self._frame:
-            if self.frame_id not in ("", header.frame_id):
+            if self._wanted_frame not in ("", header.frame_id):
                 return Skip.OTHER_FRAME
             self._frame = header.frame_id
             self._live.begin_frame(header.frame_id)
@@ -126,6 +130,9 @@ class Streams:
 
     def _on_raw_block(self, message: AccelBlock) -> None:
         self._drain_slow()
+        self._compensate_block(message)
+
+    def _compensate_block(self, message: AccelBlock) -> None:
         reason = self._reason_to_skip(message.header)
         if reason is not None:
             return self._live.skip_unseen(reason, len(message.x))

@@ -15,6 +15,7 @@ from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.pipeline.health import Health
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG
 from hgma_compensation.pipeline.pipeline import Pipeline
+from hgma_compensation.pipeline.prepared import Histories, Prepared, prepare
 from hgma_compensation.pipeline.reasons import LATE, MISSING, STALE, Note, Skip, sample_name, status_name
 from hgma_compensation.pipeline.remembered import Remembered
 from hgma_compensation.pipeline.rest_monitor import RestMonitor
@@ -99,15 +100,26 @@ class LiveCompensation:
 
     def install(self, calibration: Calibration) -> None:
         """Use a calibration from the next sample on; it starts from what is remembered of the slow inputs."""
-        pipeline = Pipeline(calibration, live=True)
-        if (power_on := self._remembered[None].power_on) is not None:
-            pipeline.track.updates.assume_power_on(power_on)
-        for need in pipeline.inputs.wanted:
-            for stamp, value in self._remembered[need]:
-                pipeline.add(need, stamp, value)
-        self._pipeline = pipeline
-        self._rest = RestMonitor(calibration)
-        self._health = Health(pipeline, self._rest)
+        self.adopt(prepare(calibration, self.histories()))
+
+    def histories(self) -> Histories:
+        """Return a copy of what is remembered of the slow inputs, for ``prepare`` in another thread."""
+        return {need: remembered.history() for need, remembered in self._remembered.items()}
+
+    def adopt(self, prepared: Prepared) -> None:
+        """Use what was prepared from the next sample on, as if it had been installed when its histories were taken.
+
+        Memories of the acceleration that it shares with the calibration before it go on. Where the history began anew
+        in the meantime, it is prepared again.
+        """
+        if not prepared.follows(self._remembered):
+            prepared = prepare(prepared.pipeline.calibration, self.histories())
+        prepared.catch_up(self._remembered)
+        if self._pipeline is not None:
+            prepared.pipeline.succeed(self._pipeline)
+        self._pipeline = prepared.pipeline
+        self._rest = RestMonitor(prepared.pipeline.calibration)
+        self._health = Health(prepared.pipeline, self._rest)
 
     def remove_calibration(self) -> None:
         """Drop the calibration; samples are skipped until another is installed."""

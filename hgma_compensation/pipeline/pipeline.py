@@ -80,6 +80,27 @@ class Pipeline:
         """Latest stamp of the accelerometer on its time line, ns."""
         return self._stretches.newest
 
+    def succeed(self, before: "Pipeline") -> None:
+        """Go on where another pipeline of the same sensor was with the acceleration, which this one has not seen.
+
+        Memories that both have are taken over, moved to the level at which this one sees the sensor at rest. Kalman
+        stages begin anew: what they learned is the drift that the other left.
+        """
+        self._stretches, newest = before._stretches, before.newest
+        self._time_lines.succeed(before._time_lines)
+        if newest is not None and self.stage.shares_memories(before.stage):
+            at = np.array([newest], dtype=np.int64)
+            self.stage.succeed(before.stage, before._at_rest(at) - self._at_rest(at))
+
+    def _at_rest(self, stamps: Stamps) -> NDArray[np.float64]:
+        """Return what the drift model takes the sensor at rest to show at one stamp (1,): (6,), 0 without a model."""
+        box = self.calibration.calibrated_range
+        features = read_features(self.track, self.calibration.features, stamps).values
+        clamped = box.clamp(np.where(np.isnan(features), box.middle, features))
+        level = np.zeros(len(CHANNELS))
+        level[self._columns] = [c.drift.evaluate(clamped)[0] + c.reference for c in self.calibration.channels]
+        return level
+
     def forget_acceleration(self) -> None:
         """Let filters and memories of the acceleration begin anew; the slow inputs stay."""
         self.stage.reset()

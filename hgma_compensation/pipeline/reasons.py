@@ -5,6 +5,7 @@ from enum import Enum
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.pipeline.stretches import Cut
+from hgma_compensation.pipeline.transport import TRANSPORT_REMEDIES
 from hgma_compensation.temperature.track import Sample
 
 
@@ -92,6 +93,7 @@ _MISSING = "an effect of the calibration needs the {}, which has never come, and
 _STALE = "the {} has been silent for more than a minute, its last value is held: check its driver"
 
 REMEDIES: dict[str, str] = {
+    **TRANSPORT_REMEDIES,
     Skip.NO_CALIBRATION.value: "set the parameter calibration_file, or call ~/load_calibration",
     Skip.NOT_ACTIVE.value: "activate the node (ros2 lifecycle set), or start it with autostart",
     Skip.NOT_STAMPED.value: "set header.stamp in the accelerometer's driver: it is zero or negative",

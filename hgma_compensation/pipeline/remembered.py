@@ -2,6 +2,8 @@
 
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
 
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.temperature.updates import POWER_OFF
@@ -15,6 +17,19 @@ THINNED = 30 * NANOSECONDS
 Pair = tuple[int, float]
 
 
+@dataclass(frozen=True)
+class History:
+    """What was remembered at one moment: samples, oldest first, and the stamp of the power-on before them, ns.
+
+    beginnings, taken: how often all had been forgotten by then, and how many samples had come since.
+    """
+
+    samples: tuple[Pair, ...]
+    power_on: int | None
+    beginnings: int
+    taken: int
+
+
 class Remembered:
     """The recent samples (ns, value) as they came, and before them one in THINNED."""
 
@@ -23,6 +38,7 @@ class Remembered:
         self._recent: deque[Pair] = deque(maxlen=REMEMBERED)
         self._older: deque[Pair] = deque(maxlen=REMEMBERED)
         self.power_on: int | None = None
+        self._beginnings = self._taken = 0
 
     def __iter__(self) -> Iterator[Pair]:
         """Yield the samples, oldest first; ``power_on`` is the stamp of the power-on before them, ns."""
@@ -34,6 +50,19 @@ class Remembered:
         self._recent.clear()
         self._older.clear()
         self.power_on = None
+        self._beginnings, self._taken = self._beginnings + 1, 0
+
+    def history(self) -> History:
+        """Return what is remembered now."""
+        return History(tuple(self), self.power_on, self._beginnings, self._taken)
+
+    def follows(self, history: History) -> bool:
+        """Return whether all that came after a history is still there, and nothing was forgotten in between."""
+        return self._beginnings == history.beginnings and self._taken - history.taken <= len(self._recent)
+
+    def since(self, history: History) -> Iterator[Pair]:
+        """Yield the samples that came after a history which these follow."""
+        return islice(self._recent, len(self._recent) - (self._taken - history.taken), None)
 
     def add(self, stamp: int, value: float) -> None:
         """Keep a sample."""
@@ -42,6 +71,7 @@ class Remembered:
         if len(self._recent) == REMEMBERED:
             self._thin(self._recent[0], self._recent[1][0])
         self._recent.append((stamp, value))
+        self._taken += 1
 
     def _thin(self, sample: Pair, following: int) -> None:
         """Keep one of the older samples, unless it is close to the one before; always that before a power-off."""

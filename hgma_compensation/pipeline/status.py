@@ -19,6 +19,12 @@ class TemperatureStatus(IntEnum):
     INVALID = 5
 
 
+UNUSABLE = frozenset(
+    (TemperatureStatus.STALE, TemperatureStatus.MISSING, TemperatureStatus.OUT_OF_RANGE, TemperatureStatus.INVALID)
+)
+"""Those in which the drift is held; in SETTLING it is approximate."""
+
+
 def temperature_status(
     features: Features, settings: FeatureSettings, inside_range: NDArray[np.bool_]
 ) -> NDArray[np.uint8]:

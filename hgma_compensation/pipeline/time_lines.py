@@ -63,6 +63,12 @@ class TimeLines:
         self.current = self._following.pop(0) if self._following else self._make()
         self._ahead = {need: ahead - 1 for need, ahead in self._ahead.items() if ahead > 1}
 
+    def succeed(self, before: "TimeLines") -> None:
+        """Stand where other time lines stand, having been given the newest samples of each input only."""
+        if before._following:
+            self._following, self.current = [self.current], self._make()
+            self._ahead = dict.fromkeys(before._ahead, 1)
+
     def follow(self, stamp: int) -> None:
         """Go on to the next time line where that of a live thermistor has caught up with the accelerometer (ns)."""
         if self._live and self._following:

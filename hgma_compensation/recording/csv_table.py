@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +63,7 @@ def read_table(path: Path, columns: Columns) -> Recording:
         raise RefusedError("no channel is named: give at least one of --linear-acceleration-z COLUMN and its kind")
     table = _read_columns(Path(path), columns)
     seconds = table["time"] * TIME_UNITS[columns.time_unit]
+    shift = _to_positive(seconds)
     inside = (seconds >= (-np.inf if columns.start is None else columns.start)) & (
         seconds < (np.inf if columns.end is None else columns.end)
     )
@@ -73,7 +75,7 @@ def read_table(path: Path, columns: Columns) -> Recording:
     table, seconds = {name: numbers[inside] for name, numbers in table.items()}, seconds[inside]
     if np.abs(seconds).max() > LATEST:
         raise RefusedError(f"{path}: its time goes beyond {LATEST:g} s: name the time column and its unit")
-    stamps = np.rint(seconds * NANOSECONDS).astype(np.int64)
+    stamps = np.rint(seconds * NANOSECONDS).astype(np.int64) + shift
     _check_increasing(path, stamps)
     factor, offset = TEMPERATURE_UNITS[columns.temperature_unit]
     values = np.zeros((len(stamps), len(CHANNELS)))
@@ -95,6 +97,12 @@ def read_table(path: Path, columns: Columns) -> Recording:
         supply_voltage=series("supply_voltage"),
         frame=columns.frame,
     )
+
+
+def _to_positive(seconds: NDArray[np.float64]) -> int:
+    """Return by how much (ns) the stamps of a table are moved: a stamp of 0 says in ROS that there is none."""
+    first = float(seconds.min(initial=np.inf))
+    return NANOSECONDS * ceil(1.0 - first) if first <= 0.0 else 0
 
 
 def _check_increasing(path: Path, stamps: NDArray[np.int64]) -> None:

@@ -1,0 +1,69 @@
+"""Messages that were sent and never arrived, seen by the gaps in their publishers' numbering."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from typing import Any, TypedDict
+
+from rclpy.subscription import Subscription
+
+from hgma_compensation.node.interfaces import take_waiting
+from hgma_compensation.pipeline.transport import lost_name
+
+
+class MessageInfo(TypedDict):
+    """What rclpy tells of a message; the number is None where the RMW gives none (Fast DDS does)."""
+
+    publication_sequence_number: int | None
+
+
+class SequenceGaps:
+    """Follows the numbers of one or more publishers of a topic, of which only the number itself is known."""
+
+    def __init__(self) -> None:
+        """Start with no number: what was sent before the first one is not missed."""
+        self._last: list[int] = []
+
+    def add(self, number: int, publishers: Callable[[], int]) -> int:
+        """Take the number of a message and return how many of its publisher's are missing before it.
+
+        publishers: how many there are now; asked only where the number is not the expected one. So many sequences are
+        told apart, those that were heard last. A number that continues none of them belongs to a publisher not heard
+        before, if there can be one, or else to the nearest sequence below it. A number below all of them is that of a
+        publisher that has begun anew.
+        """
+        if self._last and number == self._last[0] + 1:
+            self._last[0] = number
+            return 0
+        most = max(publishers(), 1)
+        nearest = max((last for last in self._last if last < number), default=None)
+        if nearest is None or (nearest != number - 1 and len(self._last) < most):
+            nearest = number - 1
+        else:
+            self._last.remove(nearest)
+        self._last = [number, *self._last][:most]
+        return number - nearest - 1
+
+
+class CountedInput:
+    """A subscription's messages on their way to the node; counts those that are missing among them."""
+
+    def __init__(self, topic: str, counts: Counter[str]) -> None:
+        """Count under the topic's name."""
+        self._name, self._counts = lost_name(topic), counts
+        self._gaps = SequenceGaps()
+        self.subscription: Subscription | None = None
+
+    def saw(self, info: MessageInfo) -> None:
+        """Note the number of a message that the executor took."""
+        number = info["publication_sequence_number"]
+        if number is None or self.subscription is None:
+            return
+        if lost := self._gaps.add(number, self.subscription.get_publisher_count):
+            self._counts[self._name] += lost
+
+    def drain(self) -> Iterator[Any]:
+        """Yield the messages that wait, oldest first."""
+        if self.subscription is not None:
+            for message, info in take_waiting(self.subscription):
+                self.saw(info)
+                yield message
