@@ -5,12 +5,15 @@ an escape sequence in a log is obeyed by whoever reads it; nesting is recursed i
 """
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterator
 
 from hgma_compensation.errors import RefusedError
 
 DEEPEST = 32
 """Levels of nesting. Our own documents need six; a free-form part may add some."""
+
+MOST_VALUES = 200_000
+"""Ten times what the largest calibration has. A file of a few megabytes holds millions."""
 
 LONGEST_PATH = 120
 """Characters of a field's path in a message: its names may be as long as the file."""
@@ -20,14 +23,28 @@ _PLAIN = (str, int, float, bool, type(None))
 
 def check_plain(document: object) -> None:
     """Return if the document is plain; raise RefusedError naming the first field that is not."""
-    stack: list[tuple[str, int, object]] = [("", 0, document)]
-    while stack:
-        path, depth, value = stack.pop()
+    for seen, (path, depth, value) in enumerate(_fields(document)):
+        if seen == MOST_VALUES:
+            raise RefusedError(f"the document has more than {MOST_VALUES} values")
         problem = _problem(value, depth)
         if problem is not None:
             shown = path if len(path) <= LONGEST_PATH else path[: LONGEST_PATH - 3] + "..."
             raise RefusedError(f"{shown or 'the document'} {problem}")
-        stack.extend(reversed([(inner, depth + 1, child) for inner, child in _children(path, value)]))
+
+
+def _fields(document: object) -> Iterator[tuple[str, int, object]]:
+    """Yield path, depth and value of every field, what contains others before them.
+
+    One by one: the paths of all of them together would take more memory than the document.
+    """
+    branches: list[Iterator[tuple[str, object]]] = [iter([("", document)])]
+    while branches:
+        for path, value in branches[-1]:
+            yield path, len(branches) - 1, value
+            branches.append(_children(path, value))
+            break
+        else:
+            branches.pop()
 
 
 def _problem(value: object, depth: int) -> str | None:
@@ -50,9 +67,8 @@ def is_text(text: str) -> bool:
     return text.isprintable()
 
 
-def _children(path: str, value: object) -> Iterable[tuple[str, object]]:
+def _children(path: str, value: object) -> Iterator[tuple[str, object]]:
     if isinstance(value, dict):
-        return [(f"{path}.{name}" if path else name, child) for name, child in value.items()]
-    if isinstance(value, list):
-        return [(f"{path}[{index}]", child) for index, child in enumerate(value)]
-    return ()
+        yield from ((f"{path}.{name}" if path else name, child) for name, child in value.items())
+    elif isinstance(value, list):
+        yield from ((f"{path}[{index}]", child) for index, child in enumerate(value))

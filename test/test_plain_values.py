@@ -1,7 +1,7 @@
 import pytest
 
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.plain_values import DEEPEST, check_plain
+from hgma_compensation.plain_values import DEEPEST, MOST_VALUES, check_plain
 
 
 def nested(levels):
@@ -25,6 +25,7 @@ def nested(levels):
         ({"a": {"b\n": 1}}, "a has a field whose name is no printable text"),
         ({1: 2}, "the document has a field whose name is no printable text"),
         ({"a": b"bytes"}, "a is a bytes, must be a number or a text"),
+        ([[]] * MOST_VALUES, f"the document has more than {MOST_VALUES} values"),
         (nested(DEEPEST + 2), "[0]" * (DEEPEST + 1) + " is nested too deeply"),
     ],
 )
@@ -34,7 +35,9 @@ def test_first_value_that_is_not_plain_is_named(document, refusal):
     assert str(caught.value) == refusal
 
 
-@pytest.mark.parametrize("document", [{"a": [1e308, -1, True, None, "NaN", "°C, µm, 温度"]}, nested(DEEPEST), {}])
+@pytest.mark.parametrize(
+    "document", [[0] * (MOST_VALUES - 1), {"a": [1e308, -1, True, None, "NaN", "°C, µm, 温度"]}, nested(DEEPEST), {}]
+)
 def test_plain_document_is_accepted(document):
     check_plain(document)
 

@@ -15,6 +15,7 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from pathlib import Path
 
+from benchmarks.soak.fuzz.mutator import Seeds
 from benchmarks.soak.fuzz.slice import Outcome, run
 
 CORPUS = Path(__file__).parents[2] / "test" / "fuzz_corpus" / "calibrations"
@@ -24,18 +25,19 @@ SLICE = 20_000
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the fuzzer and print a table; return 1 where a document crashed, hung, or was accepted wrongly."""
     options = _options(arguments)
-    seeds = [path.read_bytes() for path in sorted(CORPUS.iterdir())]
+    seeds = Seeds(_documents("accepted"), _documents("refused"))
     sizes = [min(SLICE, options.count - start) for start in range(0, options.count, SLICE)]
     began, total = time.monotonic(), Outcome()
     with ProcessPoolExecutor(options.jobs, get_context("spawn")) as pool:
         slices = {pool.submit(run, seeds, size, number, options.seed): number for number, size in enumerate(sizes)}
         for done in as_completed(slices):
             try:
-                _add(total, done.result())
+                part = done.result()
             except BrokenProcessPool:
-                total.findings.append((f"a process died in one of the slices, at the latest in {slices[done]}", b""))
+                part = Outcome(findings=[(f"a process died in a slice, at the latest in {slices[done]}", b"")])
+            _add(total, part)
+            _save(part, options.findings)
             print(_progress(total, options.count, time.monotonic() - began), flush=True)
-    _save(total, options.findings)
     print(_table(total, time.monotonic() - began))
     return 1 if total.findings else 0
 
@@ -47,6 +49,10 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--findings", type=Path, help="folder for the documents that something is wrong with")
     return parser.parse_args(arguments)
+
+
+def _documents(verdict: str) -> list[bytes]:
+    return [path.read_bytes() for path in sorted((CORPUS / verdict).iterdir())]
 
 
 def _add(total: Outcome, part: Outcome) -> None:
@@ -61,10 +67,11 @@ def _progress(total: Outcome, count: int, seconds: float) -> str:
     return f"{done} of {count}, {done / seconds:.0f}/s, {len(total.findings)} findings"
 
 
-def _save(total: Outcome, folder: Path | None) -> None:
-    if folder is not None and total.findings:
+def _save(part: Outcome, folder: Path | None) -> None:
+    """Keep the documents as soon as they are found: a long run may be cut off."""
+    if folder is not None and part.findings:
         folder.mkdir(parents=True, exist_ok=True)
-        for _, content in total.findings:
+        for _, content in part.findings:
             (folder / f"{hashlib.sha256(content).hexdigest()[:16]}.json").write_bytes(content)
 
 

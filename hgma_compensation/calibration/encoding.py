@@ -112,13 +112,19 @@ def _encode_channel(channel: ChannelCalibration) -> Document:
 def _decode_channel(document: Document, path: str) -> ChannelCalibration:
     if document["unit"] != unit_of(document["name"]):
         raise RefusedError(f"{path}.unit is {document['unit']!r}, must be {unit_of(document['name'])!r}")
-    error = document["error"]
     return ChannelCalibration(
         name=document["name"],
         drift=_decode_drift(document["drift"], f"{path}.drift"),
         reference=float(document["reference"]),
         filter=_decode_filter(document["filter"]),
-        error=ChannelError(error["fit"], error["noise"], error["cross_validated"]),
+        error=_decode_error(document["error"]),
+    )
+
+
+def _decode_error(document: Document) -> ChannelError:
+    validated = document["cross_validated"]
+    return ChannelError(
+        float(document["fit"]), float(document["noise"]), None if validated is None else float(validated)
     )
 
 

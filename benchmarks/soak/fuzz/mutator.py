@@ -29,16 +29,24 @@ class Mutant:
     kind: Class
 
 
+@dataclass(frozen=True)
+class Seeds:
+    """Documents to begin with, all of them JSON objects; accepted: at least one that every parser must accept."""
+
+    accepted: list[bytes]
+    refused: list[bytes]
+
+
 class Mutator:
     """Endless documents of one random generator; what was new is taken as a seed for more."""
 
     SHARES: ClassVar[dict[Class, float]] = {Class.TEXT: 0.2, Class.TREE: 0.48, Class.EFFECTS: 0.3, Class.HARMLESS: 0.02}
     WITH_ID = 0.8
 
-    def __init__(self, seeds: list[bytes], chance: random.Random) -> None:
-        """Start from seeds, at least one of which is a valid document."""
-        self._valid = [seed for seed in seeds if _tree(seed) is not None]
-        self._seeds, self._fixed, self._chance = list(seeds), len(seeds), chance
+    def __init__(self, seeds: Seeds, chance: random.Random) -> None:
+        """Start from seeds."""
+        self._accepted, self._given = seeds.accepted, seeds.accepted + seeds.refused
+        self._seeds, self._chance = list(self._given), chance
 
     def keep(self, content: bytes) -> None:
         """Take a document as a seed, in the place of another where there are many."""
@@ -47,14 +55,14 @@ class Mutator:
         if len(self._seeds) < MOST_SEEDS:
             self._seeds.append(content)
         else:
-            self._seeds[self._chance.randrange(self._fixed, MOST_SEEDS)] = content
+            self._seeds[self._chance.randrange(len(self._given), MOST_SEEDS)] = content
 
     def next(self) -> Mutant:
         """Return a new document."""
         kind = self._chance.choices(list(self.SHARES), list(self.SHARES.values()))[0]
         if kind is Class.HARMLESS:
             return Mutant(self._harmless(), kind)
-        seed, other = self._chance.choice(self._seeds), self._chance.choice(self._valid)
+        seed, other = self._chance.choice(self._seeds), self._chance.choice(self._given)
         tree = None if kind is Class.TEXT else _tree(seed)
         if tree is None:
             return Mutant(self._with_id(text_mutations.mutate(seed, other, self._chance)), Class.TEXT)
@@ -76,7 +84,7 @@ class Mutator:
 
     def _harmless(self) -> bytes:
         """Return a valid document written differently, with another provenance."""
-        tree = json.loads(self._chance.choice(self._valid[: self._fixed]))
+        tree = json.loads(self._chance.choice(self._accepted))
         items = list(tree.items())
         self._chance.shuffle(items)
         tree = dict(items)

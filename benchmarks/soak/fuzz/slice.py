@@ -16,12 +16,15 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.soak.fuzz import oracle, trial_run
-from benchmarks.soak.fuzz.mutator import Class, Mutant, Mutator
+from benchmarks.soak.fuzz.mutator import Class, Mutant, Mutator, Seeds
 from hgma_compensation.calibration.document import parse_calibration
 from hgma_compensation.errors import LONGEST, RefusedError
 
 LONGEST_TRIAL = 5.0
-"""s for one document, its trial run included; after four times that the process is killed with a traceback."""
+"""s for one document, its trial run included."""
+
+LONGEST_STANDSTILL = 20.0
+"""s after which the process is killed with a traceback: a hang outside of Python does not see the alarm."""
 
 MEMORY = 2 << 30
 """Bytes of address space beyond what the process has at the beginning."""
@@ -41,7 +44,7 @@ class Outcome:
     slowest: float = 0.0
 
 
-def run(seeds: list[bytes], count: int, number: int, seed: int) -> Outcome:
+def run(seeds: Seeds, count: int, number: int, seed: int) -> Outcome:
     """Try ``count`` documents; the same seed and number give the same documents."""
     chance = random.Random(f"{seed}/{number}")
     mutator, outcome = Mutator(seeds, chance), Outcome()
@@ -60,6 +63,7 @@ def run(seeds: list[bytes], count: int, number: int, seed: int) -> Outcome:
 def _try(mutant: Mutant, outcome: Outcome, chance: random.Random) -> str:
     """Try one document, count it, note what is wrong, and return what kind of answer it got."""
     signal.setitimer(signal.ITIMER_REAL, LONGEST_TRIAL)
+    faulthandler.dump_traceback_later(LONGEST_STANDSTILL, exit=True)
     try:
         verdict, signature, problem = _verdict(mutant, chance)
     except BaseException as error:  # whatever is no refusal is what is looked for
@@ -69,6 +73,7 @@ def _try(mutant: Mutant, outcome: Outcome, chance: random.Random) -> str:
         problem = f"{type(error).__name__}: {str(error)[:300]}"
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
+        faulthandler.cancel_dump_traceback_later()
     outcome.counts[mutant.kind.value, verdict] += 1
     if problem is not None:
         outcome.findings.append((problem, mutant.content))
