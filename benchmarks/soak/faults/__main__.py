@@ -19,8 +19,8 @@ from benchmarks.soak.faults.kinds import FAULTS
 from benchmarks.soak.faults.peer import Peer
 from benchmarks.soak.faults.segment import Block, Sample
 from benchmarks.soak.faults.stream import CLOCKS, Stream
+from benchmarks.soak.reliable_inputs import RELIABLE
 from benchmarks.soak.resident import resident_kilobytes
-from hgma_compensation import topics
 from hgma_compensation.demo.processes import private_ros_environment, running
 
 WARM_UP = 0.25
@@ -31,13 +31,6 @@ MOST_GROWTH = 1024.0
 
 SETTLED_EVERY = 50
 """Segments after which the account is checked, so that the node's queue never overflows unseen."""
-
-RELIABLE = [
-    f"qos_overrides./{topic}.subscription.{name}:={value}"
-    for topic in (*topics.INPUTS,)
-    for name, value in (("reliability", "reliable"), ("depth", 10_000))
-]
-"""What is lost on the way is not the node's fault, and not what is tested here."""
 
 
 def main() -> int:
