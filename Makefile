@@ -54,10 +54,10 @@ loop-benchmark: setup
 paper-table: setup
 	$(RUN) -m benchmarks.paper_table
 
-# The node under load, bounded: a sample that is lost, or compensated by half of two calibrations, fails it. About ten
-# minutes; SOAK_ARGUMENTS="--count 500" less.
+# The node under all that a robot does to it, for about an hour and a half: docs/RELIABILITY.md.
+# SOAK_ARGUMENTS="kills loops" runs some of it.
 soak: setup
-	$(RUN) -m benchmarks.soak.reloads --reliable $(SOAK_ARGUMENTS)
+	$(RUN) -m benchmarks.soak $(SOAK_ARGUMENTS)
 
 clean:
 	rm -rf $(VENV) build dist install log demo_output paper_output *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
