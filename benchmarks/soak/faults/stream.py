@@ -33,21 +33,22 @@ class Stream:
 
     def segments(self, seconds: float) -> Iterator[list[Item]]:
         """Yield the segments of a stream of that length, each with one fault, or two, or none."""
-        wanted: list[str] = []
         for begin in np.arange(0.0, seconds, SECONDS).tolist():
             blocks = bool(self.random.random() < BLOCKS)
             items = clean_segment(begin, self.rate, self.random, blocks=blocks)
             hurt: set[str] = set()
             for _ in range(int(self.random.integers(3))):
-                # All kinds come before any comes again.
-                wanted = wanted or self.random.permutation([*FAULTS, *CLOCKS]).tolist()
-                name = next((name for name in wanted if self._fits(name, blocks) and _victim(name) not in hurt), None)
-                if name is not None:
-                    wanted.remove(name)
-                    hurt.add(_victim(name))
-                    self.faults[name] += 1
-                    items = self._hurt(items, name, begin)
+                name = self._choose([name for name in (*FAULTS, *CLOCKS) if self._fits(name, blocks)], hurt)
+                hurt.add(_victim(name))
+                self.faults[name] += 1
+                items = self._hurt(items, name, begin)
             yield self._numbered(items)
+
+    def _choose(self, names: list[str], hurt: set[str]) -> str:
+        """Return one of the faults that have come least often, and hurt nothing that is hurt already."""
+        left = [name for name in names if _victim(name) not in hurt]
+        least = min(self.faults[name] for name in left)
+        return str(self.random.choice([name for name in left if self.faults[name] == least]))
 
     def _fits(self, name: str, blocks: bool) -> bool:
         return name in CLOCKS or FAULTS[name].blocks in (None, blocks)
