@@ -78,7 +78,7 @@ def test_a_calibration_swapped_in_knows_the_thermistor_from_before():
 def test_a_thermistor_sample_that_should_have_been_used_before_is_counted():
     live = LiveCompensation()
     live.install(make_calibration(latency=0.1))
-    live.add_temperature(0, 25.0)
+    live.add_temperature(1, 25.0)
     live.compensate(*single_sample(2 * NANOSECONDS, np.zeros(6)))
     live.add_temperature(NANOSECONDS, 25.0)
     live.add_temperature(2 * NANOSECONDS, 25.0)

@@ -185,7 +185,7 @@ def test_a_restored_pipeline_goes_on_with_the_bits_of_one_never_interrupted(reco
         lambda snapshot: snapshot.update(calibration_id="sha256-0000000000000000"),
         lambda snapshot: snapshot.pop("inputs"),
         lambda snapshot: snapshot.update(effects=[]),
-        lambda snapshot: snapshot.update(newest="yesterday"),
+        lambda snapshot: snapshot.update(stretches=["yesterday", 3]),
         lambda snapshot: snapshot["inputs"]["temperature"]["updates"].update(values=[[1.0]]),
         lambda snapshot: snapshot["inputs"]["temperature"].update(filter=[1.0]),
         lambda snapshot: snapshot["inputs"]["temperature"]["updates"]["stamps"].reverse(),

@@ -50,11 +50,11 @@ def test_the_augmented_calibration_runs_in_the_node_and_the_error_falls_as_offli
         robot.connect()
         inside = recording.temperature.stamps <= recording.stamps[PLAYED]
         series = recording.temperature.stamps[inside], recording.temperature.values[inside]
-        for stamp, celsius in zip(*series, strict=True):
-            robot.temperature.publish(thermistor(stamp, celsius))
-        robot.spin(0.5)
         for calibration, path in zip(calibrations, files, strict=True):
             assert robot.set_parameter("calibration_file", str(path)).successful
+            for stamp, celsius in zip(*series, strict=True):
+                robot.temperature.publish(thermistor(stamp, celsius))
+            robot.spin(0.5)
             live, identities = played(robot, recording)
             offline = compensate_recording(recording, calibration).values[:PLAYED, 0]
             assert identities == {calibration.calibration_id}

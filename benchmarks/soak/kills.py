@@ -108,8 +108,8 @@ class Lives:
 def soak(kills: int, writers: int, seed: int, folder: Path) -> dict[str, Any]:
     """Return the figures of a run; raises RefusedError where a file does not load, AssertionError without answers."""
     moments, truth = random.Random(seed), Truth(remembering_calibration())
-    truth.add_temperature(0, 20.0)
-    truth.compensate(0, 9.81)
+    truth.add_temperature(1, 20.0)
+    truth.compensate(1, 9.81)
     figures: dict[str, Any] = dict(kill_writers(truth.live, folder / "written.json", writers, seed))
     truth = Truth(truth.calibration)
     environment = private_ros_environment()

@@ -230,15 +230,8 @@ class LiveCompensation:
             remembered.add(stamp, value)
         if sample is not Sample.USED:
             self.counts[sample_name(need, sample)] += 1
-        elif self._is_late(stamp):
+        elif self._pipeline.comes_late(need, stamp):
             self.counts[LATE[need].value] += 1
-
-    def _is_late(self, stamp: int) -> bool:
-        """Return whether an acceleration was compensated before that should have used this sample."""
-        assert self._pipeline is not None
-        usable_from = stamp + to_nanoseconds(self._pipeline.calibration.features.latency)
-        newest = self._pipeline.newest
-        return newest is not None and usable_from <= newest
 
     def compensate(self, stamps: Stamps, values: NDArray[np.float64]) -> LiveResult | None:
         """Return the compensated samples, or None and a counted reason.

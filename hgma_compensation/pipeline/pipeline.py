@@ -19,7 +19,7 @@ from hgma_compensation.pipeline.status import temperature_status
 from hgma_compensation.pipeline.stretches import Cut, Stretches
 from hgma_compensation.pipeline.time_lines import TimeLines
 from hgma_compensation.pipeline.uncertainty import DriftUncertainty
-from hgma_compensation.stamps import Stamps
+from hgma_compensation.stamps import Stamps, to_nanoseconds
 from hgma_compensation.temperature.features import read_features
 from hgma_compensation.temperature.track import Sample, TemperatureTrack
 
@@ -111,6 +111,11 @@ class Pipeline:
     def add(self, need: Need | None, stamp: int, value: float) -> Sample:
         """Take a sample of an input, None for the thermistor (ns, °C or V), and say what became of it."""
         return self._time_lines.add(need, stamp, value, self._stretches.newest)
+
+    def comes_late(self, need: Need | None, stamp: int) -> bool:
+        """Return whether an acceleration was compensated before that should have used a sample of an input, ns."""
+        usable_from = stamp + to_nanoseconds(self.calibration.features.latency)
+        return self.newest is not None and usable_from <= self.newest and not self._time_lines.is_ahead(need)
 
     def add_temperature(self, stamp: int, celsius: float) -> Sample:
         """Take a thermistor sample (ns, °C) and say what became of it."""

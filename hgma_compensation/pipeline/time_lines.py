@@ -58,6 +58,10 @@ class TimeLines:
         """Return whether the accelerometer is on the time line that begins with a stamp already."""
         return self._live and (accelerometer is None or accelerometer <= stamp + TIME_JUMP)
 
+    def is_ahead(self, need: Need | None) -> bool:
+        """Return whether an input is on a later time line than the accelerometer."""
+        return self._ahead.get(need, 0) > 0
+
     def turn(self) -> None:
         """Go on to the next time line: the accelerometer's stamps have begun anew."""
         self.current = self._following.pop(0) if self._following else self._make()

@@ -28,7 +28,8 @@ class DriftUncertainty:
         """Read the spans off a calibration."""
         box = calibration.calibrated_range
         self._lower, self._upper = box.lower, box.upper
-        self._half = 0.5 * (box.upper - box.lower)
+        # A feature that never varied has no width, and no span of the drift either.
+        self._half = np.where(box.upper > box.lower, 0.5 * (box.upper - box.lower), np.inf)
         self._fastest = float(np.abs([box.lower[1], box.upper[1]]).max())
         self._error = np.array([channel.error.unseen for channel in calibration.channels])
         points = np.repeat(box.middle[None], POINTS * 3, axis=0)

@@ -189,9 +189,9 @@ FAULTS: dict[str, Fault] = {
     "thermistor out of range": Fault(_thermistors(_set_all(95.0)), ("temperature_status_out_of_range",)),
     "thermistor behind": Fault(_thermistors(_shift_all(-20.0)), ("temperature_clock_set_back", "temperature_late")),
     "thermistor ahead": Fault(_thermistors(_shift_all(100.0)), ("temperature_ahead",)),
-    "thermistor not stamped": Fault(_thermistors(lambda s: setattr(s[0], "stamp", 0)), ("temperature_not_stamped",)),
+    "thermistor not stamped": Fault(_thermistors(lambda s: setattr(s[24], "stamp", 0)), ("temperature_not_stamped",)),
     "thermistor stamp repeated": Fault(
-        _thermistors(lambda s: setattr(s[1], "stamp", s[0].stamp)), ("temperature_stamp_repeated",)
+        _thermistors(lambda s: setattr(s[25], "stamp", s[24].stamp)), ("temperature_stamp_repeated",)
     ),
     "thermistor stamp from the future": Fault(_future_thermistor, ("temperature_clock_was_ahead",)),
     "second thermometer NaN": Fault(_slow_value(topics.TEMPERATURE_2, np.nan), ("temperature_2_not_finite",)),

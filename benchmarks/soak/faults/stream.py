@@ -37,24 +37,28 @@ class Stream:
         for begin in np.arange(0.0, seconds, SECONDS).tolist():
             blocks = bool(self.random.random() < BLOCKS)
             items = clean_segment(begin, self.rate, self.random, blocks=blocks)
+            hurt: set[str] = set()
             for _ in range(int(self.random.integers(3))):
                 # All kinds come before any comes again.
                 wanted = wanted or self.random.permutation([*FAULTS, *CLOCKS]).tolist()
-                items = self._hurt(items, wanted, begin, blocks)
+                name = next((name for name in wanted if self._fits(name, blocks) and _victim(name) not in hurt), None)
+                if name is not None:
+                    wanted.remove(name)
+                    hurt.add(_victim(name))
+                    self.faults[name] += 1
+                    items = self._hurt(items, name, begin)
             yield self._numbered(items)
 
-    def _hurt(self, items: list[Item], wanted: list[str], begin: float, blocks: bool) -> list[Item]:
-        fitting = [name for name in wanted if name in CLOCKS or FAULTS[name].blocks in (None, blocks)]
-        if not fitting:
-            return items
-        wanted.remove(fitting[0])
-        self.faults[fitting[0]] += 1
-        fault: Fault | None = FAULTS.get(fitting[0])
+    def _fits(self, name: str, blocks: bool) -> bool:
+        return name in CLOCKS or FAULTS[name].blocks in (None, blocks)
+
+    def _hurt(self, items: list[Item], name: str, begin: float) -> list[Item]:
+        fault: Fault | None = FAULTS.get(name)
         if fault is not None:
             return fault.apply(items, self.random)
-        if fitting[0] == "bag loops":
+        if name == "bag loops":
             self._shift = -begin
-        elif fitting[0] == "clock set back":
+        elif name == "clock set back":
             self._shift -= float(self.random.uniform(6.0, 9.0))
         else:
             self._shift += float(self.random.uniform(70.0, 1000.0))
@@ -71,3 +75,8 @@ class Stream:
                 self._number += 1
                 item.number = self._number
         return items
+
+
+def _victim(name: str) -> str:
+    """Return what a fault hurts: two faults of one sensor would hide each other."""
+    return name.split()[0]
