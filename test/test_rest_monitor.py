@@ -39,14 +39,14 @@ def run(calibration, recording):
             waiting = next(slow, None)
         live.compensate(*single_sample(stamp, recording.values[row].tolist()))
         if row % 50 == 49:
-            found += live.problems()
+            found += live.observer.problems()
     return live, found
 
 
 def test_the_sensor_it_was_trained_on_fits(trained):
     live, found = run(trained, recorded(2))
     assert not found
-    values = dict(live.values())
+    values = dict(live.observer.values())
     assert 0.5 < float(values["nis_linear_acceleration.z"]) < 2.0
     own = float(values["calibration_error_linear_acceleration.z"])
     assert 0.0 < float(values["rest_residual_linear_acceleration.z"]) < 2.0 * own
@@ -75,7 +75,7 @@ def test_a_sensor_that_has_lost_its_noise_is_told_by_its_innovations(trained):
 def test_a_noisier_sensor_keeps_the_gate_open(trained):
     quiet, _ = run(trained, recorded(2))
     noisy, _ = run(trained, recorded(2, noise=0.05 * 3.0))
-    fractions = [float(dict(live.values())["gate_open_linear_acceleration.z"]) for live in (quiet, noisy)]
+    fractions = [float(dict(live.observer.values())["gate_open_linear_acceleration.z"]) for live in (quiet, noisy)]
     assert fractions[0] < 0.01
     assert fractions[1] > 0.8
 

@@ -62,16 +62,13 @@ class DiagnosticReport:
         if state != "active":
             return False, [f"the node is {state}: {REMEDIES[Skip.NOT_ACTIVE.value]}", *others]
         problems = [f"the new calibration was refused, the old one is used: {refusal}"] if refusal else []
-        problems += live.problems()
+        problems += live.observer.problems() if live.observer else []
         for name, count in sorted(fresh.items(), key=lambda item: -item[1]):
             problems.append(f"{name} ({count} since the last report): {REMEDIES[name]}")
         if live.last_result is None:
             problems.append("no acceleration yet: check the topic accel/raw")
-        elif live.temperature_unchanged > LONGEST_UNCHANGED:
-            problems.append(
-                f"the thermistor has shown exactly the same value for {live.temperature_unchanged:.0f} s: "
-                "check that it measures"
-            )
+        elif live.observer and (unchanged := live.observer.temperature_unchanged) > LONGEST_UNCHANGED:
+            problems.append(f"the thermistor has shown exactly one value for {unchanged:.0f} s: check that it measures")
         return False, problems + others
 
     def _values(self, live: LiveCompensation, state: str, refusal: str, elapsed: float) -> list[tuple[str, str]]:
@@ -97,8 +94,8 @@ class DiagnosticReport:
                 ("temperature_status", TemperatureStatus(int(result.status[-1])).name),
                 ("temperature_celsius", f"{result.features[-1, 0]:.3f}"),
                 ("inside_calibrated_range", str(bool(result.inside_range[-1]))),
-                ("thermistor_behind_seconds", f"{live.thermistor_behind:.3f}"),
             ]
         values.append(("missing_inputs", ", ".join(need.value for need in live.missing_inputs)))
-        values += live.values() + [value for reporter in self._reporters for value in reporter.values()]
+        values += live.observer.values() if live.observer else []
+        values += [value for reporter in self._reporters for value in reporter.values()]
         return values + [(name, str(count)) for name, count in sorted(live.counts.items())]

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,24 +13,18 @@ from hgma_compensation.channels import columns_of, group_of
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.pipeline.compensated import Compensated
-from hgma_compensation.pipeline.health import Health
-from hgma_compensation.pipeline.inputs import ACCELERATION_LAG
 from hgma_compensation.pipeline.live_state import ACCELERATION, INPUTS, LiveState
+from hgma_compensation.pipeline.observer import Observer
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.prepared import Histories, Prepared, prepare
-from hgma_compensation.pipeline.reasons import LATE, MISSING, STALE, Note, Skip, sample_name, status_name
+from hgma_compensation.pipeline.reasons import LATE, Note, Skip, sample_name
 from hgma_compensation.pipeline.remembered import Remembered
-from hgma_compensation.pipeline.rest_monitor import RestMonitor
 from hgma_compensation.pipeline.screening import out_of_step, reason_to_skip
 from hgma_compensation.pipeline.settling import MemorySpan, Unsettled, unsettled
 from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.pipeline.taking_up import Offer, Past
 from hgma_compensation.stamps import Stamps, to_nanoseconds
 from hgma_compensation.temperature.track import Sample
-from hgma_compensation.temperature.updates import POWER_OFF
-
-LONGEST_LEAD = to_nanoseconds(ACCELERATION_LAG)
-"""ns that a slow input may be ahead of the accelerometer without its history being dropped."""
 
 SLOW_INPUTS = (None, Need.TEMPERATURE_2, Need.SUPPLY_VOLTAGE)
 """None is the thermistor."""
@@ -48,6 +42,7 @@ class LiveCompensation:
     """The node's state without ROS. Not thread-safe: one executor thread owns it.
 
     stop_on: statuses of the temperature in which samples get no output. temperatures: thermistor samples so far.
+    observer: of the pipeline in use.
     """
 
     def __init__(self) -> None:
@@ -56,8 +51,7 @@ class LiveCompensation:
         self.received = self.compensated = self.temperatures = 0
         self.last_result: LiveResult | None = None
         self.stop_on: frozenset[TemperatureStatus] = frozenset()
-        self._rest: RestMonitor | None = None
-        self._health: Health | None = None
+        self.observer: Observer | None = None
         self._pipeline: Pipeline | None = None
         self._frame: str | None = None
         self._remembered: dict[Need | None, Remembered] = {need: Remembered() for need in SLOW_INPUTS}
@@ -80,31 +74,6 @@ class LiveCompensation:
         """Inputs that an effect of the calibration in use needs, and that have never come."""
         return self._pipeline.inputs.missing if self._pipeline else ()
 
-    @property
-    def temperature_unchanged(self) -> float:
-        """For how long (s) the thermistor has shown exactly the same value."""
-        if self._pipeline is None or self._pipeline.newest is None:
-            return 0.0
-        return self._pipeline.track.unchanged(self._pipeline.newest)
-
-    @property
-    def thermistor_behind(self) -> float:
-        """By how much (s) the thermistor's newest stamp is behind the accelerometer's; infinite without one."""
-        if self._pipeline is None or self._pipeline.newest is None or self._pipeline.track.last is None:
-            return inf
-        return (self._pipeline.newest - self._pipeline.track.last) * 1e-9
-
-    def problems(self) -> list[str]:
-        """Return what says that the calibration does not fit the sensor; once for each report."""
-        if self._health is None:
-            return []
-        self._health.update()
-        return self._health.problems()
-
-    def values(self) -> list[tuple[str, str]]:
-        """Return the figures behind ``problems``, by name."""
-        return [] if self._health is None else self._health.values()
-
     def install(self, calibration: Calibration) -> None:
         """Use a calibration from the next sample on; it starts from what is remembered of the slow inputs."""
         self.adopt(prepare(calibration, self.histories()))
@@ -125,12 +94,11 @@ class LiveCompensation:
         if self._pipeline is not None:
             prepared.pipeline.succeed(self._pipeline)
         self._pipeline = prepared.pipeline
-        self._rest = RestMonitor(prepared.pipeline.calibration)
-        self._health = Health(prepared.pipeline, self._rest)
+        self.observer = Observer(prepared.pipeline, self.counts)
 
     def remove_calibration(self) -> None:
         """Drop the calibration; samples are skipped until another is installed."""
-        self._pipeline = self._rest = self._health = None
+        self._pipeline = self.observer = None
         self.last_result = None
 
     def reset(self) -> None:
@@ -139,9 +107,9 @@ class LiveCompensation:
             samples.clear()
         self._span = MemorySpan()
         self._offer, self.past = None, Past.CLEARED
-        if self._pipeline is not None and self._rest is not None:
+        if self._pipeline is not None and self.observer is not None:
             self._pipeline.reset()
-            self._rest.reset()
+            self.observer.reset()
 
     @property
     def _newest(self) -> int | None:
@@ -249,31 +217,19 @@ class LiveCompensation:
             return None
         if self._offer is not None and len(stamps):
             self._begin(ACCELERATION, int(stamps[0]))
-        pipeline = self._pipeline
+        pipeline, observer = self._pipeline, self.observer
+        assert observer is not None
         for note, count in out_of_step(stamps, pipeline.newest).items():
             self.counts[note.value] += count
         wanted = values[:, columns_of(pipeline.calibration.names)]
         result = pipeline.compensate(stamps, wanted, values)
         self.last_result = LiveResult(pipeline.calibration, result)
-        self._observe(pipeline, stamps, wanted, result)
+        observer.observe(stamps, wanted, result)
         if self.stop_on and any(status in self.stop_on for status in result.status.tolist()):
             self._skip(Skip.STOPPED, len(stamps))
             return None
         self.compensated += len(stamps)
         return self.last_result
-
-    def _observe(self, pipeline: Pipeline, stamps: Stamps, values: NDArray[np.float64], result: Compensated) -> None:
-        """Count what a result says of its inputs, and let the residual be judged."""
-        for cut in list(pipeline.cuts):
-            self.counts[cut.value] += pipeline.cuts.pop(cut)
-        for status in result.status[result.status > 0].tolist():
-            self.counts[status_name(TemperatureStatus(status))] += 1
-        newest = int(stamps[-1])
-        for need in pipeline.inputs.wanted:
-            if (note := _absence(need, pipeline.inputs.updates(need).last, newest)) is not None:
-                self.counts[note.value] += len(stamps)
-        assert self._rest is not None
-        self._rest.take(stamps, values - result.drift, result.features[:, 0], usable=not result.status.any())
 
     def covers(self, groups: Collection[str]) -> bool:
         """Return whether the calibration in use compensates a channel of one of these fields of an Imu."""
@@ -303,15 +259,6 @@ class LiveCompensation:
     def skipped(self) -> int:
         """Return how many samples got no output, whatever the reason."""
         return sum(self.counts[reason.value] for reason in Skip)
-
-
-def _absence(need: Need | None, last: int | None, now: int) -> Note | None:
-    """Return what is to be said of an input whose newest sample came at ``last``, with the accelerometer at ``now``."""
-    if need is None:
-        return Note.TEMPERATURE_AHEAD if last is not None and last - now > LONGEST_LEAD else None
-    if last is None:
-        return MISSING[need]
-    return STALE[need] if now - last > POWER_OFF else None
 
 
 def single_sample(stamp: int, values: Sequence[float]) -> tuple[Stamps, NDArray[np.float64]]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from hgma_compensation.channels import columns_of
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.pipeline.screening import usable_samples
 from hgma_compensation.recording.recording import Recording
 from hgma_compensation.stamps import seconds_between
 from hgma_compensation.temperature.features import FeatureSettings, read_features
@@ -68,7 +69,7 @@ def _of_recording(
         (features.since_power_on >= settings.prediction_horizon)
         & (features.age <= settings.prediction_horizon)
         & ~features.unusable
-        & np.isfinite(values).all(axis=1)
+        & usable_samples(recording.stamps, values)
     )
     time = seconds_between(recording.stamps, recording.start)[usable]
     index = np.floor(time / seconds).astype(np.int64)

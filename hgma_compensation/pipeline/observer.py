@@ -1,0 +1,77 @@
+"""Watches a live pipeline: counts what its results say of the inputs, and judges whether the calibration fits."""
+
+from collections import Counter
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.effects.effect import Need
+from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.health import Health
+from hgma_compensation.pipeline.inputs import ACCELERATION_LAG
+from hgma_compensation.pipeline.pipeline import Pipeline
+from hgma_compensation.pipeline.reasons import MISSING, STALE, Note, status_name
+from hgma_compensation.pipeline.rest_monitor import RestMonitor
+from hgma_compensation.pipeline.status import TemperatureStatus
+from hgma_compensation.stamps import Stamps, to_nanoseconds
+from hgma_compensation.temperature.updates import POWER_OFF
+
+LONGEST_LEAD = to_nanoseconds(ACCELERATION_LAG)
+"""ns that a slow input may be ahead of the accelerometer without its history being dropped."""
+
+
+class Observer:
+    """Of one pipeline, from the moment at which it is used."""
+
+    def __init__(self, pipeline: Pipeline, counts: Counter[str]) -> None:
+        """Count into ``counts``."""
+        self._pipeline, self._counts = pipeline, counts
+        self._rest = RestMonitor(pipeline.calibration)
+        self._health = Health(pipeline, self._rest)
+
+    def reset(self) -> None:
+        """Forget what the sensor showed at rest."""
+        self._rest.reset()
+
+    def observe(self, stamps: Stamps, values: NDArray[np.float64], result: Compensated) -> None:
+        """Take what became of samples, values (n, c) at stamps (n,) in ns."""
+        for cut in list(self._pipeline.cuts):
+            self._counts[cut.value] += self._pipeline.cuts.pop(cut)
+        for status in result.status[result.status > 0].tolist():
+            self._counts[status_name(TemperatureStatus(status))] += 1
+        newest = int(stamps[-1])
+        for need in self._pipeline.inputs.wanted:
+            if (note := _absence(need, self._pipeline.inputs.updates(need).last, newest)) is not None:
+                self._counts[note.value] += len(stamps)
+        self._rest.take(stamps, values - result.drift, result.features[:, 0], usable=not result.status.any())
+
+    @property
+    def temperature_unchanged(self) -> float:
+        """For how long (s) the thermistor has shown exactly the same value."""
+        newest = self._pipeline.newest
+        return 0.0 if newest is None else self._pipeline.track.unchanged(newest)
+
+    @property
+    def thermistor_behind(self) -> float:
+        """By how much (s) the thermistor's newest stamp is behind the accelerometer's; infinite without one."""
+        newest, last = self._pipeline.newest, self._pipeline.track.last
+        return inf if newest is None or last is None else (newest - last) * 1e-9
+
+    def problems(self) -> list[str]:
+        """Return what says that the calibration does not fit the sensor; once for each report."""
+        self._health.update()
+        return self._health.problems()
+
+    def values(self) -> list[tuple[str, str]]:
+        """Return the figures behind ``problems``, by name."""
+        return [("thermistor_behind_seconds", f"{self.thermistor_behind:.3f}"), *self._health.values()]
+
+
+def _absence(need: Need | None, last: int | None, now: int) -> Note | None:
+    """Return what is to be said of an input whose newest sample came at ``last``, with the accelerometer at ``now``."""
+    if need is None:
+        return Note.TEMPERATURE_AHEAD if last is not None and last - now > LONGEST_LEAD else None
+    if last is None:
+        return MISSING[need]
+    return STALE[need] if now - last > POWER_OFF else None
