@@ -184,6 +184,7 @@ def test_diagnostics_count_what_is_skipped_and_say_what_to_do(environment, robot
         assert values["samples_compensated"] == "5"
         assert values["samples_skipped"] == values["acceleration_not_finite"] == "1"
         assert values["temperature_not_finite"] == "1"
+        assert float(values["stamp_age_seconds"]) > 0.0
         assert len(robot.compensated) == 5
         assert robot.reset().success
         _, _, values = robot.diagnosis()

@@ -45,7 +45,7 @@ class CompensationNode(ManagedNode):
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
         self.create_service(Trigger, "~/reset", self._on_reset)
         name = f"{self.get_fully_qualified_name().lstrip('/')}: compensation"
-        self._report = DiagnosticReport(name, [self._keeper, self._streams.endpoints.events])
+        self._report = DiagnosticReport(name, [self._keeper, self._streams.endpoints.events, self._streams.latency])
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._ros_clock = RosClock(self, self._live.counts)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics)

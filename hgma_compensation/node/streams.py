@@ -20,6 +20,7 @@ from hgma_compensation.messages import (
     widen_block,
 )
 from hgma_compensation.node.endpoints import Endpoints
+from hgma_compensation.node.latency import Latency
 from hgma_compensation.node.losses import CountedInput
 from hgma_compensation.pipeline.live import LiveCompensation, LiveResult, single_sample
 from hgma_compensation.pipeline.reasons import Note, Skip
@@ -42,6 +43,7 @@ class Streams:
         self.publishing, self._wanted_frame = False, frame_id
         self._frame: str | None = None
         self.endpoints = Endpoints(node, live.counts)
+        self.latency = Latency(node)
         self._slow: list[tuple[CountedInput, Callable[[Any], None]]] = []
         self._fast: list[tuple[CountedInput, Callable[[Any], None]]] = []
 
@@ -97,10 +99,12 @@ class Streams:
                 take(message)
 
     def _on_raw(self, message: Imu) -> None:
+        self.latency.begin()
         waiting = [message, *self._raw.drain()]
         self._drain_slow()
         for taken in waiting:
             self._compensate(taken)
+        self.latency.end(stamp_of(waiting[-1]))
 
     def _compensate(self, message: Imu) -> None:
         reason = self._reason_to_skip(message.header)
@@ -129,8 +133,10 @@ class Streams:
         return None
 
     def _on_raw_block(self, message: AccelBlock) -> None:
+        self.latency.begin()
         self._drain_slow()
         self._compensate_block(message)
+        self.latency.end(stamp_of(message))
 
     def _compensate_block(self, message: AccelBlock) -> None:
         reason = self._reason_to_skip(message.header)
