@@ -66,6 +66,6 @@ def test_one_value_for_ten_minutes_is_worth_a_remark_though_its_resolution_expla
     for second in range(0, 622, 2):
         live.add_temperature(at(second), 25.0 if second < 620 else 25.5)
         status = compensated(live, second).status[0]
-        said.append("exactly the same value" in report.status(live, "active", "", 1.0).message)
+        said.append("the thermistor has shown exactly" in report.status(live, "active", "", 1.0).message)
     assert status == TemperatureStatus.OK
     assert [2 * number for number, remark in enumerate(said) if remark] == list(range(602, 620, 2))
