@@ -7,6 +7,16 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 from launch import LaunchDescription
 
+TEXTS = (
+    "calibration_file",
+    "calibration_directory",
+    "expected_sensor_id",
+    "frame_id",
+    "on_bad_temperature",
+    "state_file",
+)
+"""Parameters of the node that are texts."""
+
 
 def generate_launch_description() -> LaunchDescription:
     """Return the node and its arguments."""
@@ -14,6 +24,9 @@ def generate_launch_description() -> LaunchDescription:
         "calibration_file": ("", "Calibration written by hgma train"),
         "calibration_directory": ("", "Directory that calibrations must lie in; empty: anywhere"),
         "expected_sensor_id": ("", "The sensor_id that a calibration must carry; empty: any"),
+        "frame_id": ("", "header.frame_id that the accelerometer's messages must have; empty: any"),
+        "on_bad_temperature": ("continue", "While the temperature is not usable: continue or stop"),
+        "state_file": ("", "File that keeps the memories over a restart; empty: none"),
         "namespace": ("", "Namespace of the node and its topics"),
         "raw": ("accel/raw", "Topic of the raw sensor_msgs/Imu"),
         "temperature": ("accel/temperature", "Topic of the thermistor's sensor_msgs/Temperature"),
@@ -30,10 +43,7 @@ def generate_launch_description() -> LaunchDescription:
         respawn=LaunchConfiguration("respawn"),
         respawn_delay=2.0,
         parameters=[
-            {
-                name: ParameterValue(LaunchConfiguration(name), value_type=str)
-                for name in ("calibration_file", "calibration_directory", "expected_sensor_id")
-            },
+            {name: ParameterValue(LaunchConfiguration(name), value_type=str) for name in TEXTS},
             {
                 "use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool),
             },

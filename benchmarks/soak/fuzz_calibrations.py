@@ -6,6 +6,7 @@ gives the same documents with any number of jobs. Exit code 1 where anything was
 
 import argparse
 import hashlib
+import json
 import sys
 import time
 from collections import Counter
@@ -38,7 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _add(total, part)
             _save(part, options.findings)
             print(_progress(total, options.count, time.monotonic() - began), flush=True)
-    print(_table(total, time.monotonic() - began))
+    seconds = time.monotonic() - began
+    print(_table(total, seconds))
+    print(json.dumps(_figures(total, seconds)))
     return 1 if total.findings else 0
 
 
@@ -73,6 +76,21 @@ def _save(part: Outcome, folder: Path | None) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         for _, content in part.findings:
             (folder / f"{hashlib.sha256(content).hexdigest()[:16]}.json").write_bytes(content)
+
+
+def _figures(total: Outcome, seconds: float) -> dict[str, float]:
+    verdicts: Counter[str] = Counter()
+    for (_, verdict), number in total.counts.items():
+        verdicts[verdict] += number
+    done = sum(verdicts.values())
+    return {
+        "documents": done,
+        **{verdict: verdicts[verdict] for verdict in ("accepted", "refused", "crashed")},
+        "findings": len(total.findings),
+        "answers": len(total.signatures),
+        "slowest_s": round(total.slowest, 3),
+        "per_second": round(done / seconds),
+    }
 
 
 def _table(total: Outcome, seconds: float) -> str:

@@ -28,7 +28,7 @@ class ThermalGradient(Effect):
         return 2
 
     def columns(self, at: Conditions, state: Array) -> Array:
-        """Return T2 − T, °C, and the same times x; 0 where the second thermometer is silent."""
+        """Return T2 − T, °C, and the same times x; 0 before its first sample."""
         gradient = np.where(np.isnan(at.temperature_2), 0.0, at.temperature_2 - at.temperature)
         return np.column_stack([gradient, gradient * normalised(at.temperature)])
 

@@ -92,11 +92,13 @@ class Streams:
 
     def serve(self) -> None:
         """Compensate what waits; for a callback that keeps the executor from calling those of the topics."""
+        self.latency.begin()
         waiting = [(list(counted.drain()), take) for counted, take in self._fast]
         self._drain_slow()
         for messages, take in waiting:
             for message in messages:
                 take(message)
+                self.latency.end(stamp_of(message))
 
     def _on_raw(self, message: Imu) -> None:
         self.latency.begin()

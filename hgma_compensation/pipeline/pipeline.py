@@ -46,7 +46,7 @@ class Pipeline:
         ]
         self._uncertainty = DriftUncertainty(calibration)
         self._stretches = Stretches()
-        self._before_pause: tuple[list[KalmanStage | None], list[Any]] = (self._filters, self.stage.snapshot())
+        self._before_gap: tuple[list[KalmanStage | None], list[Any]] = (self._filters, self.stage.snapshot())
         self.cuts: Counter[Cut] = Counter()
         self._columns, self.columns_read = columns_of(calibration.names), columns_of(calibration.channels_read)
 
@@ -152,16 +152,16 @@ class Pipeline:
         if cut is Cut.ANEW:
             self._time_lines.turn()
             self.forget_acceleration()
-        elif cut is Cut.PAUSE:
-            self._before_pause = (deepcopy(self._filters), self.stage.snapshot())
+        elif cut in (Cut.GAP, Cut.PAUSE):
+            self._before_gap = (deepcopy(self._filters), self.stage.snapshot())
         elif cut is Cut.RECALLED:
-            self._filters = self._before_pause[0]
-            self.stage.restore(self._before_pause[1])
+            self._filters = self._before_gap[0]
+            self.stage.restore(self._before_gap[1])
         elif cut is Cut.SET_BACK:
             for stage in filter(None, self._filters):
                 stage.set_back(stamp)
         self._time_lines.follow(stamp)
-        if cut is not Cut.NONE:
+        if cut not in (Cut.NONE, Cut.GAP):
             self.cuts[cut] += 1
 
     def _widened(self, values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -75,7 +75,7 @@ _BAD_SAMPLES = {
     "check the clock that stamps it",
     Sample.MOVED: "the {} jumped and stayed there, its new value is used now: check its wiring",
     Sample.STUCK: "the {} has lost its noise and repeats one value: check its wiring and driver",
-    Sample.NOT_STAMPED: "set header.stamp in the driver of the {}: it is zero",
+    Sample.NOT_STAMPED: "set header.stamp in the driver of the {}: it is zero or negative",
     Sample.REPEATED: "check the {}'s driver: it sends the same stamp again",
     Sample.OUT_OF_ORDER: "check the {}'s driver: its stamps do not increase",
     Sample.NOT_FINITE: "check the {}: its driver sends NaN or infinity",

@@ -14,11 +14,13 @@ from hgma_compensation.time_jumps import RECALL, TIME_JUMP, StepBack, step_back
 class Cut(Enum):
     """What happened before a stretch.
 
-    PAUSE: no sample for so long that the sensor was off, or a clock that steps ahead. ANEW: a new time line, such as a
-    bag that loops. SET_BACK: the clock was corrected. RECALLED: the pause before was none, the clock had been wrong.
+    GAP: no sample for a while, or a clock that steps ahead. PAUSE: one so long that the sensor was off. ANEW: a new
+    time line, such as a bag that loops. SET_BACK: the clock was corrected. RECALLED: the gap before was none, the clock
+    had been wrong.
     """
 
     NONE = "none"
+    GAP = "gap"
     PAUSE = "acceleration_paused"
     ANEW = "acceleration_time_jumped_back"
     SET_BACK = "acceleration_clock_set_back"
@@ -39,7 +41,7 @@ class Stretches:
         """Forget all stamps."""
         self.newest: int | None = None
         self._first = 0
-        self._pause: tuple[int, int] | None = None
+        self._gap: tuple[int, int] | None = None
 
     def snapshot(self) -> list[int | None]:
         """Return the stamps of beginning and end of the time line as plain JSON."""
@@ -70,21 +72,21 @@ class Stretches:
             self._first -= self.newest - stamp
             self.newest = stamp
         elif cut is Cut.RECALLED:
-            assert self._pause is not None
-            self.newest = max(self._pause[0], stamp)
-        elif cut is Cut.PAUSE:
-            self._pause = (self.newest, stamp)
+            assert self._gap is not None
+            self.newest = max(self._gap[0], stamp)
+        elif cut in (Cut.GAP, Cut.PAUSE):
+            self._gap = (self.newest, stamp)
         if cut in (Cut.ANEW, Cut.SET_BACK, Cut.RECALLED):
-            self._pause = None
+            self._gap = None
         return cut
 
     def _meaning(self, stamp: int, newest: int) -> Cut:
-        if stamp - newest > POWER_OFF:
-            return Cut.PAUSE
+        if stamp - newest > TIME_JUMP:
+            return Cut.PAUSE if stamp - newest > POWER_OFF else Cut.GAP
         if newest - stamp <= TIME_JUMP:
             return Cut.NONE
-        soon = self._pause is not None and newest - self._pause[1] <= RECALL
-        if soon and self._pause is not None and stamp >= self._pause[0] - TIME_JUMP:
+        soon = self._gap is not None and newest - self._gap[1] <= RECALL
+        if soon and self._gap is not None and stamp >= self._gap[0] - TIME_JUMP:
             return Cut.RECALLED
         return _STEPS_BACK[step_back(stamp, newest, self._first)]
 
@@ -102,4 +104,4 @@ class Stretches:
 
 
 def _cuts(stamps: Stamps, newest: Stamps) -> NDArray[np.bool_]:
-    return np.asarray((stamps < newest - TIME_JUMP) | (stamps - newest > POWER_OFF))
+    return np.asarray((stamps < newest - TIME_JUMP) | (stamps - newest > TIME_JUMP))

@@ -21,7 +21,8 @@ class DriftUncertainty:
     With a usable temperature it is the calibration's own error. Otherwise each feature i that is unknown, or outside,
     by eᵢ half widths of the calibrated range adds (hᵢ·eᵢ)², hᵢ being half the drift's span over feature i through the
     middle of the range: the drift goes on beyond the range as steeply as it does inside on average. A temperature that
-    is held goes off by at most the fastest rate of the calibrated range.
+    is held goes off by at most the fastest rate of the calibrated range, and its rate is known less and less up to the
+    prediction horizon.
     """
 
     def __init__(self, calibration: Calibration) -> None:
@@ -31,6 +32,7 @@ class DriftUncertainty:
         # A feature that never varied has no width, and no span of the drift either.
         self._half = np.where(box.upper > box.lower, 0.5 * (box.upper - box.lower), np.inf)
         self._fastest = float(np.abs([box.lower[1], box.upper[1]]).max())
+        self._horizon = calibration.features.prediction_horizon
         self._error = np.array([channel.error.unseen for channel in calibration.channels])
         points = np.repeat(box.middle[None], POINTS * 3, axis=0)
         for feature in range(3):
@@ -57,7 +59,8 @@ class DriftUncertainty:
         unknown = np.isinf(age)
         held = ((status == TemperatureStatus.STALE) | (status == TemperatureStatus.INVALID)) & ~unknown
         moved = np.minimum(self._fastest * age[held] / self._half[0], WHOLE_RANGE)
-        excess[held] += np.column_stack([moved, np.ones(len(moved)), np.ones(len(moved))])
+        lost = np.minimum(age[held] / self._horizon, 1.0)
+        excess[held] += np.column_stack([moved, lost, lost])
         excess[status == TemperatureStatus.SETTLING, 2] += 1.0
         excess[unknown] = 1.0
         return excess

@@ -14,7 +14,7 @@ from hgma_compensation.stamps import Stamps, to_nanoseconds
 from hgma_compensation.temperature.plausibility import Plausibility, Verdict
 from hgma_compensation.temperature.trend_filter import TrendFilter, TrendNoise
 from hgma_compensation.temperature.updates import Array, Updates
-from hgma_compensation.time_jumps import StepBack
+from hgma_compensation.time_jumps import TIME_JUMP, StepBack
 
 PLAUSIBLE_CELSIUS = (-100.0, 250.0)
 """Outside of this a thermistor is broken or speaks another unit: no silicon sensor lives there."""
@@ -91,7 +91,7 @@ class TemperatureTrack:
     ) -> None:
         """Start empty; memory, limits (°C): see Updates. keep: s of history to hold on to, None for all of it."""
         self._filter = TrendFilter(noise)
-        self._before_pause: list[float] = []
+        self._before_gap: list[float] = []
         self._plausibility = Plausibility(noise)
         self.updates = Updates(memory, limits=limits, keep=None if keep is None else to_nanoseconds(keep))
         self.counts: Counter[Sample] = Counter()
@@ -168,15 +168,16 @@ class TemperatureTrack:
         if outcome is Sample.RESTARTED:
             self._filter.reset()
         elif outcome is Sample.RECALLED:
-            self._filter.restore(self._before_pause)
+            self._filter.restore(self._before_gap)
         if outcome is not Sample.USED:
             self._plausibility.reset()
 
     def _use(self, stamp: int, celsius: float, *, moved: bool) -> None:
         last = self.last
+        if last is not None and stamp - last > TIME_JUMP:
+            self._before_gap = self._filter.snapshot()
         if self.updates.is_power_on(stamp):
             # Ṫ of the time before says nothing about what the sensor did while it was off.
-            self._before_pause = self._filter.snapshot()
             self._filter.reset()
         if moved:
             self._filter.reset()

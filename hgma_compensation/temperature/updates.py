@@ -19,7 +19,7 @@ from hgma_compensation.stamps import NANOSECONDS, Stamps, seconds_between, to_na
 from hgma_compensation.temperature.limited_memory import LimitedMemory
 from hgma_compensation.temperature.unusable import UnusableStamps
 from hgma_compensation.temperature.update_table import UpdateTable
-from hgma_compensation.time_jumps import RECALL, StepBack, step_back
+from hgma_compensation.time_jumps import RECALL, TIME_JUMP, StepBack, step_back
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class Updates:
         """Forget all updates."""
         self._table.clear()
         self.unusable.clear()
-        self._pause: tuple[int, int] | None = None
+        self._gap: tuple[int, int] | None = None
         self.first: int | None = None
         self.first_temperature = 0.0
         self._equilibrium = np.full(self._memory.size, np.nan)
@@ -98,14 +98,14 @@ class Updates:
             power_on = stamp if self._powered_before is None else self._powered_before
             state = self._equilibrium
         else:
-            power_on = int(self._table.power_on[-1])
-            if self.is_power_on(stamp):
-                power_on, self._pause = stamp, (last, stamp)
+            power_on = stamp if self.is_power_on(stamp) else int(self._table.power_on[-1])
+            if stamp - last > TIME_JUMP:
+                self._gap = (last, stamp)
             seconds, before = np.array([(stamp - last) * 1e-9]), self._table.values[-1:, 0]
             state = self._memory.advance(self._table.values[-1:, 2:], seconds, before, np.array([temperature]))[0]
-        if self._pause is not None and stamp - self._pause[1] > RECALL:
-            self._pause = None
-        needed_from = stamp if self._pause is None else self._pause[0]
+        if self._gap is not None and stamp - self._gap[1] > RECALL:
+            self._gap = None
+        needed_from = stamp if self._gap is None else self._gap[0]
         self._table.append(stamp, power_on, np.array([temperature, rate, *state]), needed_from)
 
     def step_back(self, stamp: int) -> StepBack | None:
@@ -116,16 +116,16 @@ class Updates:
         assert self.last is not None
         assert self.first is not None
         meaning = step_back(stamp, self.last, self.first)
-        continues = self._pause is not None and stamp > self._pause[0]
+        continues = self._gap is not None and stamp > self._gap[0]
         return None if continues and meaning is not StepBack.LATE else meaning
 
     def recall(self) -> None:
         """Forget the updates since the last pause."""
-        assert self._pause is not None
-        before = self._pause[0]
+        assert self._gap is not None
+        before = self._gap[0]
         self._table.truncate(int(self._table.stamps.searchsorted(before, side="right")))
         self.unusable.forget_after(before)
-        self._pause = None
+        self._gap = None
 
     def set_back(self, stamp: int) -> None:
         """Move all updates to a clock that was set back, so that ``stamp`` (ns) comes an interval after the newest."""
@@ -136,7 +136,7 @@ class Updates:
         back = self.last + min(interval, POWER_OFF) - stamp
         self._table.shift(-back)
         self.unusable.shift(-back)
-        self.first, self._pause = self.first - back, None
+        self.first, self._gap = self.first - back, None
 
     def extend(self, stamps: Iterable[int], temperature: Iterable[float], rate: Iterable[float]) -> None:
         """Take many updates, as ``append`` would one after the other."""

@@ -15,7 +15,12 @@ BLOCKS = 0.1
 
 CLOCKS = {
     "bag loops": ("acceleration_time_jumped_back",),
-    "clock set back": ("acceleration_clock_set_back",),
+    # Soon after the beginning, or after a step ahead, it means something else.
+    "clock set back": (
+        "acceleration_clock_set_back",
+        "acceleration_time_jumped_back",
+        "acceleration_clock_was_ahead",
+    ),
     "pause": ("acceleration_paused",),
 }
 """What happens to the clock of all streams, with the counters that say so."""
