@@ -7,13 +7,11 @@ from typing import BinaryIO, cast
 from hgma_compensation.loading.frames import framed, read_frame
 from hgma_compensation.loading.job import Request, answer
 
-NICE = 10
-"""By which its parent comes before it, where there is less than a core for each."""
-
 
 def main() -> int:
     """Serve the process that started this one, and end with it, however it ends; return the exit code."""
-    os.nice(NICE)
+    # So that the request which wakes this process does not take the core from its parent, in the midst of a stream.
+    os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     answers = _take_standard_output()
     try:
         while True:
