@@ -37,6 +37,14 @@ def nothing():
     """Serve nothing."""
 
 
+@pytest.fixture(autouse=True)
+def nobody_left():
+    """Let a test that fails leave no stopped process behind: only being killed would end it."""
+    yield
+    for number in children_of(os.getpid()):
+        os.kill(number, signal.SIGKILL)
+
+
 @pytest.fixture
 def loading():
     made = LoadingProcess(patience=20.0)
