@@ -3,7 +3,6 @@
 import json
 from typing import Any
 
-from hgma_compensation import json_text
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.plain_values import check_plain
 from hgma_compensation.regular_file import FileKind
@@ -17,7 +16,7 @@ def parse_json(content: bytes, kind: FileKind) -> Any:
     def refuse_constant(name: str) -> Any:
         raise RefusedError(f"holds {name}, which is no number: the file is damaged, {kind.renew}")
 
-    def unique(pairs: json_text.Pairs) -> Document:
+    def unique(pairs: list[tuple[str, Any]]) -> Document:
         document: Document = {}
         for name, value in pairs:
             if name in document:
@@ -29,7 +28,7 @@ def parse_json(content: bytes, kind: FileKind) -> Any:
         text = content.decode("utf-8")
         if text.count(",") > kind.most_commas:
             raise RefusedError(f"has far more elements than {kind.name}: {kind.give}")
-        document = json_text.parse(text, object_pairs=unique, constant=refuse_constant)
+        document = json.loads(text, object_pairs_hook=unique, parse_constant=refuse_constant)
     except RefusedError:
         raise
     except UnicodeDecodeError:

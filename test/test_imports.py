@@ -16,7 +16,15 @@ def modules_after(statement):
 
 @pytest.mark.parametrize(
     "module",
-    ["pipeline.live", "pipeline.state_fields", "calibration.document", "training.train", "evaluation.evaluate"],
+    [
+        "loading.child",
+        "loading.process",
+        "pipeline.live",
+        "pipeline.state_fields",
+        "calibration.document",
+        "training.train",
+        "evaluation.evaluate",
+    ],
 )
 def test_arithmetic_knows_no_ros(module):
     assert not modules_after(f"import hgma_compensation.{module}") & ROS

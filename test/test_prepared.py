@@ -3,9 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from builders import EPOCH, LINEAR, make_calibration
-from effect_calibrations import OFFERED, applied, calibrations, with_all_inputs
+from effect_calibrations import OFFERED, applied, calibrations
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from live_events import EVENTS, outputs
 
 from hgma_compensation.calibration.document import with_id
 from hgma_compensation.effects.applied import AppliedEffect
@@ -16,32 +17,7 @@ from hgma_compensation.pipeline.prepared import prepare
 from hgma_compensation.pipeline.remembered import REMEMBERED
 from hgma_compensation.stamps import NANOSECONDS
 
-RECORDING = with_all_inputs()
 SHOCKS = make("post_shock_zero_shift", {"threshold": 50.0, "time_constant": 500.0, "channel": LINEAR[2]})
-
-
-def events():
-    """Return all samples of the recording in the order of their stamps, each as a function of a LiveCompensation."""
-    slow = [
-        (stamp, lambda live, name=name, sample=(stamp, value): getattr(live, f"add_{name}")(*sample))
-        for name in ("temperature", "temperature_2", "supply_voltage")
-        for series in [getattr(RECORDING, name)]
-        for stamp, value in zip(series.stamps.tolist(), series.values.tolist(), strict=True)
-    ]
-    fast = [
-        (stamp, lambda live, sample=(stamp, row): live.compensate(*single_sample(*sample)))
-        for stamp, row in zip(RECORDING.stamps.tolist(), RECORDING.values, strict=True)
-    ]
-    return [happen for _, happen in sorted(slow + fast, key=lambda event: event[0])]
-
-
-EVENTS = events()
-
-
-def outputs(live, steps):
-    """Let things happen and return the values and drifts of all outputs as bytes."""
-    results = [happen(live) for happen in steps]
-    return b"".join(r.compensated.values.tobytes() + r.compensated.drift.tobytes() for r in results if r is not None)
 
 
 @settings(max_examples=25)

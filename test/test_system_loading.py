@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from itertools import pairwise
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import make_calibration, make_recording
+from children import children_of, wait_until_gone
 from rcl_interfaces.srv import DescribeParameters
 from robot import imu, thermistor
 
@@ -22,15 +24,11 @@ pytestmark = pytest.mark.ros
 NODE = [sys.executable, "-m", "hgma_compensation.node.main"]
 ROOT = Path(__file__).parent.parent
 RECORDING = make_recording(duration_s=60.0, accel_rate=10.0, thermistor_rate=2.0, cycles=1.0)
-SLOW_DISK = """
-import os, sys, time
-from hgma_compensation.node import calibration_loader, main
-read = calibration_loader.read_calibration
-def slowly(path, **options):
-    while os.path.exists(f"{path}.wait"):
-        time.sleep(0.01)
-    return read(path, **options)
-calibration_loader.read_calibration = slowly
+IMPATIENT = """
+import sys
+from hgma_compensation.loading import process
+from hgma_compensation.node import main
+process.PATIENCE = 1.0
 sys.exit(main.main())
 """
 
@@ -105,23 +103,77 @@ def test_each_sample_belongs_to_one_calibration_while_they_are_swapped_by_servic
 
 def test_the_stream_goes_on_while_a_file_is_read_and_requests_are_answered_in_turn(environment, robot, calibrations):
     first, second, third = calibrations
-    wait = Path(f"{second}.wait")
-    wait.touch()
-    with node(environment, f"calibration_file:={first}", command=[sys.executable, "-c", SLOW_DISK]):
+    with node(environment, f"calibration_file:={first}") as process:
         begin(robot)
+        (loading,) = children_of(process.pid)
+        os.kill(loading, signal.SIGSTOP)
         client = robot.node.create_client(LoadCalibration, "/compensation_node/load_calibration")
         robot.wait(client.service_is_ready, "the service")
         answers = [client.call_async(LoadCalibration.Request(path=str(path))) for path in (second, third)]
         publish(robot, 0, 100)
         assert set(check(robot, calibrations, 100)) == {calibrations[first].calibration_id}
         assert not any(answer.done() for answer in answers)
-        wait.unlink()
+        os.kill(loading, signal.SIGCONT)
         robot.wait(lambda: all(answer.done() for answer in answers), "both answers")
         chain = [calibrations[path].calibration_id for path in calibrations]
         assert [a.result().previous_calibration_id for a in answers] == chain[:2]
         assert [a.result().calibration_id for a in answers] == chain[1:]
         publish(robot, 100, 120)
         assert set(check(robot, calibrations, 120)[100:]) == {chain[2]}
+
+
+def test_a_file_that_hangs_is_refused_in_time_and_the_next_one_is_loaded(environment, robot, calibrations):
+    first, second, third = calibrations
+    with node(environment, f"calibration_file:={first}", command=[sys.executable, "-c", IMPATIENT]) as process:
+        begin(robot)
+        (loading,) = children_of(process.pid)
+        os.kill(loading, signal.SIGSTOP)
+        client = robot.node.create_client(LoadCalibration, "/compensation_node/load_calibration")
+        robot.wait(client.service_is_ready, "the service")
+        hanging = client.call_async(LoadCalibration.Request(path=str(second)))
+        publish(robot, 0, 100)
+        assert set(check(robot, calibrations, 100)) == {calibrations[first].calibration_id}
+        robot.wait(hanging.done, "an answer")
+        assert not hanging.result().success
+        assert f"{second}: not done within 1 s: check the disk or network" in hanging.result().message
+        wait_until_gone(loading)
+        assert robot.load(third).success
+        publish(robot, 100, 120)
+        assert set(check(robot, calibrations, 120)[100:]) == {calibrations[third].calibration_id}
+
+
+def test_a_loading_process_that_is_killed_costs_neither_samples_nor_the_request(environment, robot, calibrations):
+    first, second, _ = calibrations
+    with node(environment, f"calibration_file:={first}") as process:
+        begin(robot)
+        (loading,) = children_of(process.pid)
+        os.kill(loading, signal.SIGSTOP)
+        client = robot.node.create_client(LoadCalibration, "/compensation_node/load_calibration")
+        robot.wait(client.service_is_ready, "the service")
+        answer = client.call_async(LoadCalibration.Request(path=str(second)))
+        publish(robot, 0, 50)
+        check(robot, calibrations, 50)
+        os.kill(loading, signal.SIGKILL)
+        robot.wait(answer.done, "an answer")
+        assert answer.result().success
+        publish(robot, 50, 70)
+        assert set(check(robot, calibrations, 70)[50:]) == {calibrations[second].calibration_id}
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_a_node_that_ends_leaves_no_process_behind(environment, calibrations, number):
+    command = [*NODE, "--ros-args", "-p", f"calibration_file:={next(iter(calibrations))}"]
+    with subprocess.Popen(
+        command, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        assert any("using calibration" in line for line in process.stderr)
+        (loading,) = children_of(process.pid)
+        if number == signal.SIGINT:
+            os.killpg(process.pid, number)  # as a terminal does
+        else:
+            process.send_signal(number)
+        assert "Traceback" not in process.stderr.read()
+    wait_until_gone(loading)
 
 
 def test_what_is_refused_changes_nothing_and_says_why_in_one_line(environment, robot, calibrations, tmp_path):

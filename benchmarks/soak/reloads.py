@@ -23,6 +23,7 @@ from benchmarks.soak.outputs import Outputs
 from benchmarks.soak.reload_account import Recorded, Request, faults_of
 from benchmarks.soak.reload_client import ReloadClient
 from benchmarks.soak.reload_files import write_calibrations, write_refused
+from benchmarks.soak.resident import children_of, processor_seconds, resident_kilobytes
 from hgma_compensation.cli.terminal import counting_bar
 from hgma_compensation.demo.processes import private_ros_environment, running
 
@@ -68,7 +69,7 @@ def soak(options: argparse.Namespace, directory: Path) -> dict[str, Any]:
     environment = private_ros_environment()
     parameters = [f"calibration_file:={paths[0]}", *(RELIABLE if options.reliable else [])]
     command = [*NODE, *(word for parameter in parameters for word in ("-p", parameter))]
-    with running(command, environment, "using calibration"):
+    with running(command, environment, "using calibration") as node:
         client = ReloadClient(int(environment["ROS_DOMAIN_ID"]))
         outputs = Outputs(
             client.listener,
@@ -77,10 +78,14 @@ def soak(options: argparse.Namespace, directory: Path) -> dict[str, Any]:
         )
         client.wait_for_outputs()
         with _source(environment, options) as stop:
+            _quiet(outputs, 0.0)
+            ran, started = processor_seconds(node.pid), time.monotonic()
             _quiet(outputs, options.quiet)
+            busy = (processor_seconds(node.pid) - ran) / (time.monotonic() - started)
             started = time.monotonic()
             requests, wrong = _reload(client, outputs, paths, refused, options)
             elapsed = time.monotonic() - started
+            memory = [resident_kilobytes(pid) for pid in (node.pid, *children_of(node.pid))]
             sent = stop(outputs)
         received = client.received_by_node()
         client.close()
@@ -92,6 +97,8 @@ def soak(options: argparse.Namespace, directory: Path) -> dict[str, Any]:
         "reliable": options.reliable,
         "file_bytes": paths[0].stat().st_size,
         "thermistor_history": options.history,
+        "node_cores_quiet": round(busy, 2),
+        "node_and_loading_process_kb": memory,
         "answer_ms_median": round(float(np.median([r.answered - r.sent for r in requests])) * 1e-6, 2),
         **sent,
         "outputs": len(recorded.x),

@@ -5,7 +5,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-from hgma_compensation import json_text, schema_check
+from hgma_compensation import schema_check
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.encoding import FORMAT, VERSION, Document, decode, encode
 from hgma_compensation.errors import RefusedError
@@ -35,7 +35,8 @@ KIND = FileKind(
 def content_id(document: Document) -> str:
     """Return the id of a document's content: everything in it but the id."""
     content = {name: value for name, value in document.items() if name != "calibration_id"}
-    return "sha256-" + hashlib.sha256(json_text.canonical(content).encode()).hexdigest()[:16]
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return "sha256-" + hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def with_id(calibration: Calibration) -> Calibration:

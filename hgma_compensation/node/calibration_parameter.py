@@ -72,6 +72,7 @@ class CalibrationParameter:
     def _refuse(self, reason: str) -> None:
         self.refusal = reason
         self._node.get_logger().error(reason)
+        self._loader.serve()  # The log takes a sample's time.
 
     def _load(self, value: object) -> Prepared:
         if not isinstance(value, str) or not value:

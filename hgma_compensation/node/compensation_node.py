@@ -40,8 +40,8 @@ class CompensationNode(ManagedNode):
         self._streams = Streams(self, self._live, frame_id=str(self.get_parameter(parameters.FRAME_ID.name).value))
         self._keeper = StateKeeper(self, self._live)
         self._state = "unconfigured"
-        loader = CalibrationLoader(self, self._live, self._streams.serve)
-        self._calibration = CalibrationParameter(self, loader, self._accept)
+        self._loader = CalibrationLoader(self, self._live, self._streams.serve)
+        self._calibration = CalibrationParameter(self, self._loader, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
         self.create_service(Trigger, "~/reset", self._on_reset)
         name = f"{self.get_fully_qualified_name().lstrip('/')}: compensation"
@@ -120,6 +120,7 @@ class CompensationNode(ManagedNode):
 
     def destroy_node(self) -> None:
         """Save what is to be kept over a restart, and end."""
+        self._loader.close()
         self._keeper.finish()
         super().destroy_node()
 
@@ -138,9 +139,10 @@ class CompensationNode(ManagedNode):
     def _use(self, prepared: Prepared) -> None:
         """Swap the calibration; callbacks run one at a time, so this happens between two samples."""
         self._live.adopt(prepared)
+        # The log, and rclpy's announcement and answer after it, take a sample's time each: what came goes before them.
+        self._streams.serve()
         calibration = prepared.pipeline.calibration
         self.get_logger().info(f"using calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
-        # What came while the parameter was set goes before rclpy's announcement and answer, which take a sample's time.
         self._streams.serve()
 
     def _on_load(

@@ -22,7 +22,7 @@ STOP_LATENCY = 0.2
 FAILED = 1
 
 GIVE_WAY = 1e-4
-"""s for which a thread that reads a calibration may keep the interpreter from the one that compensates."""
+"""s for which the thread that saves the memory may keep the interpreter from the one that compensates."""
 
 
 def run(args: Sequence[str], stop: threading.Event) -> int:

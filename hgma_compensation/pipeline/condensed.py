@@ -4,7 +4,8 @@ from collections.abc import Iterable
 from itertools import pairwise
 from math import isfinite
 
-from hgma_compensation.pipeline.remembered import THINNED, Pair, Remembered
+from hgma_compensation.pipeline.remembered import THINNED, Remembered
+from hgma_compensation.pipeline.sample_ring import Pair
 from hgma_compensation.temperature.track import TAKEN, judge, turn_back
 from hgma_compensation.temperature.updates import POWER_OFF, Updates
 

@@ -159,7 +159,8 @@ class LiveCompensation:
 
     def restore(self, state: LiveState) -> None:
         """Go on from a state; memories of another calibration's are built anew from the samples in it."""
-        self._remembered.update({need: samples.copy() for need, samples in state.remembered.items()})
+        for need, samples in state.remembered.items():
+            self._remembered[need].begin_with(samples)
         self._span = replace(state.span)
         self.past = Past.REPLAYED
         if self._pipeline is None:

@@ -1,10 +1,11 @@
 """Samples of a slow input, kept so that a calibration that is swapped in knows the past."""
 
-from collections import deque
+from array import array
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain
 
+from hgma_compensation.pipeline.sample_ring import Pair, SampleRing
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.temperature.updates import POWER_OFF
 
@@ -14,20 +15,24 @@ REMEMBERED = 4096
 THINNED = 30 * NANOSECONDS
 """Least time between older samples: 34 hours of them, and no memory takes such a pause for a lack of power."""
 
-Pair = tuple[int, float]
-
 
 @dataclass(frozen=True)
 class History:
-    """What was remembered at one moment: samples, oldest first, and the stamp of the power-on before them, ns.
+    """What was remembered at one moment: stamps (ns) and values, oldest first, and the stamp of the power-on before.
 
     beginnings, taken: how often all had been forgotten by then, and how many samples had come since.
     """
 
-    samples: tuple[Pair, ...]
+    stamps: "array[int]"
+    values: "array[float]"
     power_on: int | None
     beginnings: int
     taken: int
+
+    @property
+    def samples(self) -> Iterator[Pair]:
+        """The samples, oldest first."""
+        return zip(self.stamps, self.values, strict=True)
 
 
 class Remembered:
@@ -35,15 +40,13 @@ class Remembered:
 
     def __init__(self) -> None:
         """Start empty."""
-        self._recent: deque[Pair] = deque(maxlen=REMEMBERED)
-        self._older: deque[Pair] = deque(maxlen=REMEMBERED)
+        self._recent, self._older = SampleRing(REMEMBERED), SampleRing(REMEMBERED)
         self.power_on: int | None = None
         self._beginnings = self._taken = 0
 
     def __iter__(self) -> Iterator[Pair]:
         """Yield the samples, oldest first; ``power_on`` is the stamp of the power-on before them, ns."""
-        yield from self._older
-        yield from self._recent
+        return chain(self._older, self._recent)
 
     @classmethod
     def of(cls, power_on: int | None, samples: Iterable[Pair]) -> "Remembered":
@@ -62,8 +65,15 @@ class Remembered:
     def copy(self) -> "Remembered":
         """Return what is remembered now; it is not changed by samples that come later."""
         twin = Remembered()
-        twin._recent, twin._older, twin.power_on = self._recent.copy(), self._older.copy(), self.power_on
+        twin.begin_with(self)
         return twin
+
+    def begin_with(self, other: "Remembered") -> None:
+        """Remember what another one does, and nothing else; no history that was taken before is followed any more."""
+        self.clear()
+        self._recent.copy_from(other._recent)
+        self._older.copy_from(other._older)
+        self.power_on = other.power_on
 
     def clear(self) -> None:
         """Forget all samples."""
@@ -74,23 +84,24 @@ class Remembered:
 
     def history(self) -> History:
         """Return what is remembered now."""
-        return History(tuple(self), self.power_on, self._beginnings, self._taken)
+        older, recent = self._older.newest(len(self._older)), self._recent.newest(len(self._recent))
+        return History(older[0] + recent[0], older[1] + recent[1], self.power_on, self._beginnings, self._taken)
 
     def follows(self, history: History) -> bool:
         """Return whether all that came after a history is still there, and nothing was forgotten in between."""
         return self._beginnings == history.beginnings and self._taken - history.taken <= len(self._recent)
 
     def since(self, history: History) -> Iterator[Pair]:
-        """Yield the samples that came after a history which these follow."""
-        return islice(self._recent, len(self._recent) - (self._taken - history.taken), None)
+        """Return the samples that came after a history which these follow."""
+        return zip(*self._recent.newest(self._taken - history.taken), strict=True)
 
     def add(self, stamp: int, value: float) -> None:
         """Keep a sample."""
         if self.power_on is None:
             self.power_on = stamp
-        if len(self._recent) == REMEMBERED:
+        if self._recent.full:
             self._thin(self._recent[0], self._recent[1][0])
-        self._recent.append((stamp, value))
+        self._recent.append(stamp, value)
         self._taken += 1
 
     def _thin(self, sample: Pair, following: int) -> None:
@@ -98,6 +109,6 @@ class Remembered:
         older = self._older
         if older and sample[0] - older[-1][0] < THINNED and following - sample[0] <= POWER_OFF:
             return
-        if len(older) == REMEMBERED and older[1][0] - older[0][0] > POWER_OFF:
+        if older.full and older[1][0] - older[0][0] > POWER_OFF:
             self.power_on = older[1][0]
-        older.append(sample)
+        older.append(*sample)
