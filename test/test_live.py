@@ -7,7 +7,8 @@ from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.effects.registry import make
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.pipeline.live import SLOW_INPUTS, LiveCompensation, single_sample
+from hgma_compensation.pipeline.live import LiveCompensation, single_sample
+from hgma_compensation.pipeline.live_memory import SLOW_INPUTS
 from hgma_compensation.pipeline.reasons import REMEDIES, Note, Skip, sample_name, status_name
 from hgma_compensation.pipeline.remembered import REMEMBERED, Remembered
 from hgma_compensation.pipeline.status import TemperatureStatus
@@ -96,7 +97,9 @@ def test_bad_thermistor_samples_are_counted_by_name():
 
 def test_every_reason_tells_the_operator_what_to_do():
     bad = [sample for sample in Sample if sample is not Sample.USED]
-    names = {reason.value for reason in (*Skip, *Note, *DROPPED)} | {cut.value for cut in Cut if cut is not Cut.NONE}
+    names = {reason.value for reason in (*Skip, *Note, *DROPPED)} | {
+        cut.value for cut in Cut if cut not in (Cut.NONE, Cut.GAP)
+    }
     names |= {sample_name(need, sample) for need in SLOW_INPUTS for sample in bad}
     names |= {status_name(status) for status in TemperatureStatus if status is not TemperatureStatus.OK}
     names |= set(TRANSPORT_REMEDIES)

@@ -2,8 +2,7 @@
 
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
-from math import isfinite
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,21 +12,18 @@ from hgma_compensation.channels import columns_of, group_of
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.live_memory import LiveMemory
 from hgma_compensation.pipeline.live_state import ACCELERATION, INPUTS, LiveState
 from hgma_compensation.pipeline.observer import Observer
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.prepared import Histories, Prepared, prepare
 from hgma_compensation.pipeline.reasons import LATE, Note, Skip, sample_name
-from hgma_compensation.pipeline.remembered import Remembered
 from hgma_compensation.pipeline.screening import out_of_step, reason_to_skip
-from hgma_compensation.pipeline.settling import MemorySpan, Unsettled, unsettled
+from hgma_compensation.pipeline.settling import Unsettled
 from hgma_compensation.pipeline.status import TemperatureStatus
-from hgma_compensation.pipeline.taking_up import Offer, Past
-from hgma_compensation.stamps import Stamps, to_nanoseconds
+from hgma_compensation.pipeline.taking_up import DROPPED, Past
+from hgma_compensation.stamps import Stamps
 from hgma_compensation.temperature.track import Sample
-
-SLOW_INPUTS = (None, Need.TEMPERATURE_2, Need.SUPPLY_VOLTAGE)
-"""None is the thermistor."""
 
 
 @dataclass(frozen=True)
@@ -54,10 +50,7 @@ class LiveCompensation:
         self.observer: Observer | None = None
         self._pipeline: Pipeline | None = None
         self._frame: str | None = None
-        self._remembered: dict[Need | None, Remembered] = {need: Remembered() for need in SLOW_INPUTS}
-        self._span = MemorySpan()
-        self._offer: Offer | None = None
-        self.past = Past.NONE
+        self._memory = LiveMemory()
 
     @property
     def calibration(self) -> Calibration | None:
@@ -79,8 +72,8 @@ class LiveCompensation:
         self.adopt(prepare(calibration, self.histories()))
 
     def histories(self) -> Histories:
-        """Return a copy of what is remembered of the slow inputs, for ``prepare`` in another thread."""
-        return {need: remembered.history() for need, remembered in self._remembered.items()}
+        """Return a copy of what is remembered of the slow inputs, for ``prepare`` elsewhere."""
+        return self._memory.histories()
 
     def adopt(self, prepared: Prepared) -> None:
         """Use what was prepared from the next sample on, as if it had been installed when its histories were taken.
@@ -88,9 +81,9 @@ class LiveCompensation:
         Memories of the acceleration that it shares with the calibration before it go on. Where the history began anew
         in the meantime, it is prepared again.
         """
-        if not prepared.follows(self._remembered):
+        if not prepared.follows(self._memory.samples):
             prepared = prepare(prepared.pipeline.calibration, self.histories())
-        prepared.catch_up(self._remembered)
+        prepared.catch_up(self._memory.samples)
         if self._pipeline is not None:
             prepared.pipeline.succeed(self._pipeline)
         self._pipeline = prepared.pipeline
@@ -103,23 +96,20 @@ class LiveCompensation:
 
     def reset(self) -> None:
         """Forget the history of all inputs, memories and filter states; calibration and counts stay."""
-        for samples in self._remembered.values():
-            samples.clear()
-        self._span = MemorySpan()
-        self._offer, self.past = None, Past.CLEARED
+        self._memory.clear()
         if self._pipeline is not None and self.observer is not None:
             self._pipeline.reset()
             self.observer.reset()
 
     @property
-    def _newest(self) -> int | None:
-        """Newest stamp of the accelerometer, ns."""
-        return None if self._pipeline is None else self._pipeline.newest
+    def past(self) -> Past:
+        """What became of the state from before the start."""
+        return self._memory.past
 
     @property
     def unsettled(self) -> list[Unsettled]:
         """Effects of the calibration in use that still show that their memory began without a past."""
-        return unsettled(self.calibration, self._span) if self.calibration else []
+        return self._memory.unsettled(self.calibration) if self.calibration else []
 
     @property
     def position(self) -> tuple[int | None, ...] | None:
@@ -127,48 +117,36 @@ class LiveCompensation:
 
         While a state waits for the first sample there is none: it must not be replaced by less.
         """
-        if self._offer is not None:
-            return None
-        stamps = (self._newest, *(self._remembered[need].newest for need in SLOW_INPUTS))
-        return None if stamps == (None,) * len(stamps) else stamps
+        return self._memory.position(self._pipeline.newest if self._pipeline else None)
 
     def snapshot(self) -> LiveState:
         """Return all that later drift depends on; the Kalman stages begin anew after it."""
-        return LiveState(
-            self.calibration.calibration_id if self.calibration else "",
-            self.calibration.sensor_id if self.calibration else "",
-            self._pipeline.snapshot() if self._pipeline else None,
-            {need: samples.copy() for need, samples in self._remembered.items()},
-            replace(self._span),
-            self._newest,
-        )
+        return self._memory.snapshot(self._pipeline)
 
     def offer(self, state: LiveState, max_age: float) -> None:
         """Take a state up when the first sample comes, if that is at most ``max_age`` s younger; else drop it."""
-        self._offer, self.past = Offer(state, to_nanoseconds(max_age)), Past.WAITING
+        self._memory.offer(state, max_age)
 
-    def _begin(self, source: str, stamp: int) -> None:
+    def _begin(self, source: str, stamp: int, value: float) -> None:
         """Decide, at the first sample, whether the state that is offered is taken up."""
-        assert self._offer is not None
-        offer, self._offer = self._offer, None
-        self.past = offer.judge(source, stamp, self.calibration.sensor_id if self.calibration else "")
-        if self.past is Past.TAKEN_UP:
-            self.restore(offer.state)
-        else:
+        if self.past is not Past.WAITING:
+            return
+        state = self._memory.decide(source, stamp, value, self.calibration.sensor_id if self.calibration else "")
+        if state is not None:
+            self._restore(state)
+        elif self.past in DROPPED:
             self.counts[self.past.value] += 1
 
-    def restore(self, state: LiveState) -> None:
+    def _restore(self, state: LiveState) -> None:
         """Go on from a state; memories of another calibration's are built anew from the samples in it."""
-        for need, samples in state.remembered.items():
-            self._remembered[need].begin_with(samples)
-        self._span = replace(state.span)
-        self.past = Past.REPLAYED
+        self._memory.take(state)
         if self._pipeline is None:
+            self._memory.past = Past.REPLAYED
             return
         try:
             self._pipeline.restore(state.pipeline or {})
-            self.past = Past.TAKEN_UP
         except RefusedError:
+            self._memory.past = Past.REPLAYED
             self.install(self._pipeline.calibration)
 
     def add_temperature(self, stamp: int, celsius: float) -> None:
@@ -185,18 +163,12 @@ class LiveCompensation:
         self._add(Need.SUPPLY_VOLTAGE, stamp, volts)
 
     def _add(self, need: Need | None, stamp: int, value: float) -> None:
-        if self._offer is not None and stamp > 0 and isfinite(value):
-            self._begin(INPUTS[need], stamp)
-        remembered = self._remembered[need]
-        remembered.add(stamp, value)
+        self._begin(INPUTS[need], stamp, value)
+        self._memory.samples[need].add(stamp, value)
         if self._pipeline is None or need not in self._pipeline.inputs.wanted:
             return
         sample = self._pipeline.add(need, stamp, value)
-        if need is None:
-            self._span.add(stamp, value, sample)
-        if sample is Sample.RESTARTED:
-            remembered.clear()
-            remembered.add(stamp, value)
+        self._memory.note(need, stamp, value, sample)
         if sample is not Sample.USED:
             self.counts[sample_name(need, sample)] += 1
         elif self._pipeline.comes_late(need, stamp):
@@ -216,8 +188,8 @@ class LiveCompensation:
         if reason is not None:
             self._skip(reason, len(stamps))
             return None
-        if self._offer is not None and len(stamps):
-            self._begin(ACCELERATION, int(stamps[0]))
+        if len(stamps):
+            self._begin(ACCELERATION, int(stamps[0]), 0.0)
         pipeline, observer = self._pipeline, self.observer
         assert observer is not None
         for note, count in out_of_step(stamps, pipeline.newest).items():
