@@ -66,6 +66,18 @@ class Robot:
             assert time.monotonic() < end, f"waited {timeout} s for {what}"
             self._executor.spin_once(timeout_sec=0.05)
 
+    def send(self, publisher, messages):
+        """Publish messages no faster than a busy machine takes them: the node's inputs are best effort."""
+        for number, message in enumerate(messages):
+            publisher.publish(message)
+            if number % 50 == 49:
+                self.spin(0.02)
+
+    def find_node(self):
+        """Wait until the graph knows of the node."""
+        name = (NODE.lstrip("/"), "/")
+        self.wait(lambda: name in self.node.get_node_names_and_namespaces(), "the node in the graph")
+
     def spin(self, seconds):
         end = time.monotonic() + seconds
         while time.monotonic() < end:

@@ -28,8 +28,7 @@ def files(tmp_path):
 def played(robot, recording):
     """Send the samples and return the compensated z (n,) with the calibrations that they were made with."""
     del robot.compensated[:], robot.states[:]
-    for stamp, values in zip(recording.stamps[:PLAYED], recording.values[:PLAYED], strict=True):
-        robot.raw.publish(imu(stamp, values))
+    robot.send(robot.raw, map(imu, recording.stamps[:PLAYED], recording.values[:PLAYED]))
     robot.wait(lambda: len(robot.compensated) == len(robot.states) == PLAYED, "all samples to come back")
     assert [message.header.stamp for message in robot.compensated] == [state.header.stamp for state in robot.states]
     live = np.array([message.linear_acceleration.z for message in robot.compensated])

@@ -43,6 +43,7 @@ def sample(number):
 
 def entities(robot):
     """Return the topics and services of the node as the graph shows them, in order."""
+    robot.find_node()
     graph = robot.node
     lists = (
         graph.get_publisher_names_and_types_by_node("compensation_node", "/"),

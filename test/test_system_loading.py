@@ -57,8 +57,7 @@ def begin(robot):
 
 
 def publish(robot, start, stop):
-    for stamp, values in zip(RECORDING.stamps[start:stop], RECORDING.values[start:stop], strict=True):
-        robot.raw.publish(imu(stamp, values))
+    robot.send(robot.raw, map(imu, RECORDING.stamps[start:stop], RECORDING.values[start:stop]))
 
 
 def check(robot, calibrations, count):

@@ -44,8 +44,7 @@ def publish(robot, start, stop):
         if (start == 0 or stamp > RECORDING.stamps[start - 1]) and stamp <= stamps[-1]:
             robot.temperature.publish(thermistor(stamp, celsius))
     robot.spin(0.2)
-    for stamp, values in zip(stamps, RECORDING.values[start:stop], strict=True):
-        robot.raw.publish(imu(stamp, values))
+    robot.send(robot.raw, map(imu, stamps, RECORDING.values[start:stop]))
     robot.wait(lambda: len(robot.compensated) >= len(stamps) <= len(robot.states), "all samples to come back")
 
 
@@ -70,8 +69,7 @@ def test_every_sample_comes_back_compensated_with_the_rest_untouched(environment
         for stamp, celsius in zip(RECORDING.temperature.stamps, RECORDING.temperature.values, strict=True):
             robot.temperature.publish(thermistor(stamp, celsius))
         robot.spin(0.5)
-        for message in sent:
-            robot.raw.publish(message)
+        robot.send(robot.raw, sent)
         robot.wait(lambda: len(robot.states) == len(robot.compensated) == len(sent), "all samples")
     expected = compensate_recording(RECORDING, calibration)
     assert [m.linear_acceleration.z for m in robot.compensated] == expected.values[:, 0].tolist()
@@ -105,8 +103,7 @@ def test_effects_give_what_offline_compensation_gives_and_a_missing_input_is_nam
         for stamp, volts in zip(recording.supply_voltage.stamps, recording.supply_voltage.values, strict=True):
             robot.supply_voltage.publish(stamped(SupplyVoltage(voltage=volts), stamp))
         robot.spin(0.5)
-        for stamp, values in zip(recording.stamps[1:], recording.values[1:], strict=True):
-            robot.raw.publish(imu(stamp, values))
+        robot.send(robot.raw, map(imu, recording.stamps[1:], recording.values[1:]))
         robot.wait(lambda: len(robot.states) == len(robot.compensated) == len(recording.stamps), "all samples")
     expected = compensate_recording(recording, calibration)
     np.testing.assert_array_equal(accelerations(robot.compensated), expected.values)

@@ -80,8 +80,7 @@ def stream(robot, start, stop):
             if after < stamp <= until:
                 publisher.publish(make(stamp, value))
     robot.spin(0.3)
-    for stamp, values in zip(RECORDING.stamps[start:stop], RECORDING.values[start:stop], strict=True):
-        robot.raw.publish(imu(stamp, values))
+    robot.send(robot.raw, map(imu, RECORDING.stamps[start:stop], RECORDING.values[start:stop]))
     robot.wait(lambda: len(robot.states) == len(robot.compensated) == stop - start, "all samples")
     return np.array(
         [[m.linear_acceleration.x, m.linear_acceleration.y, m.linear_acceleration.z] for m in robot.compensated]
