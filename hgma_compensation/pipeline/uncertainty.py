@@ -59,7 +59,7 @@ class DriftUncertainty:
         unknown = np.isinf(age)
         held = ((status == TemperatureStatus.STALE) | (status == TemperatureStatus.INVALID)) & ~unknown
         moved = np.minimum(self._fastest * age[held] / self._half[0], WHOLE_RANGE)
-        lost = np.minimum(age[held] / self._horizon, 1.0)
+        lost = np.minimum(age[held], self._horizon) / self._horizon
         excess[held] += np.column_stack([moved, lost, lost])
         excess[status == TemperatureStatus.SETTLING, 2] += 1.0
         excess[unknown] = 1.0
