@@ -20,6 +20,8 @@ from hgma_msgs.srv import LoadCalibration
 QOS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
 NODE = "/compensation_node"
 TIMEOUT = 30.0
+SETTLING = 0.3
+"""s in which the node learns of what knows of the node already."""
 
 
 class Robot:
@@ -36,6 +38,7 @@ class Robot:
         self.temperature = self.node.create_publisher(Temperature, "accel/temperature", QOS)
         self.temperature_2 = self.node.create_publisher(Temperature, "accel/temperature_2", QOS)
         self.supply_voltage = self.node.create_publisher(SupplyVoltage, "accel/supply_voltage", QOS)
+        self._clients = {}
         self.compensated = self.collect(Imu, "accel/compensated")
         self.blocks = self.collect(AccelBlock, "accel/compensated_block")
         self.states = self.collect(CompensationState, "accel/state")
@@ -97,12 +100,19 @@ class Robot:
         self.spin(0.5)  # the node's side of the discovery
 
     def call(self, service_type, name, **fields):
-        client = self.node.create_client(service_type, f"{NODE}/{name}")
-        self.wait(client.service_is_ready, f"the service {name}")
-        future = client.call_async(service_type.Request(**fields))
+        future = self.client(service_type, f"{NODE}/{name}").call_async(service_type.Request(**fields))
         self.wait(future.done, f"an answer of {name}")
-        self.node.destroy_client(client)
         return future.result()
+
+    def client(self, service_type, name):
+        """Return a client that the node knows of: an answer to one that it has not discovered yet would be lost."""
+        client = self._clients.get(name)
+        if client is None:
+            client = self._clients[name] = self.node.create_client(service_type, name)
+            self.wait(client.service_is_ready, f"the service {name}")
+            self.spin(SETTLING)
+        self.wait(client.service_is_ready, f"the service {name}")
+        return client
 
     def load(self, path):
         return self.call(LoadCalibration, "load_calibration", path=str(path))

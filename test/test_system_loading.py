@@ -79,7 +79,7 @@ def test_each_sample_belongs_to_one_calibration_while_they_are_swapped_by_servic
     paths, row = list(calibrations), 0
     with node(environment, f"calibration_file:={paths[0]}"):
         begin(robot)
-        client = robot.node.create_client(LoadCalibration, "/compensation_node/load_calibration")
+        client = robot.client(LoadCalibration, "/compensation_node/load_calibration")
         robot.wait(client.service_is_ready, "the service")
         for number in range(1, 13):
             path = paths[number % 3]
@@ -106,7 +106,7 @@ def test_the_stream_goes_on_while_a_file_is_read_and_requests_are_answered_in_tu
         begin(robot)
         (loading,) = children_of(process.pid)
         os.kill(loading, signal.SIGSTOP)
-        client = robot.node.create_client(LoadCalibration, "/compensation_node/load_calibration")
+        client = robot.client(LoadCalibration, "/compensation_node/load_calibration")
         robot.wait(client.service_is_ready, "the service")
         answers = [client.call_async(LoadCalibration.Request(path=str(path))) for path in (second, third)]
         publish(robot, 0, 100)
@@ -127,7 +127,7 @@ def test_a_file_that_hangs_is_refused_in_time_and_the_next_one_is_loaded(environ
         begin(robot)
         (loading,) = children_of(process.pid)
         os.kill(loading, signal.SIGSTOP)
-        client = robot.node.create_client(LoadCalibration, "/compensation_node/load_calibration")
+        client = robot.client(LoadCalibration, "/compensation_node/load_calibration")
         robot.wait(client.service_is_ready, "the service")
         hanging = client.call_async(LoadCalibration.Request(path=str(second)))
         publish(robot, 0, 100)
@@ -147,7 +147,7 @@ def test_a_loading_process_that_is_killed_costs_neither_samples_nor_the_request(
         begin(robot)
         (loading,) = children_of(process.pid)
         os.kill(loading, signal.SIGSTOP)
-        client = robot.node.create_client(LoadCalibration, "/compensation_node/load_calibration")
+        client = robot.client(LoadCalibration, "/compensation_node/load_calibration")
         robot.wait(client.service_is_ready, "the service")
         answer = client.call_async(LoadCalibration.Request(path=str(second)))
         publish(robot, 0, 50)
