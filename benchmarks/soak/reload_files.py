@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.soak.provenance import provenance
 from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration, ChannelError
 from hgma_compensation.calibration.document import LARGEST_FILE, MOST_COMMAS, with_id, write_calibration
 from hgma_compensation.channels import CHANNELS
@@ -45,14 +46,7 @@ def constant_calibration(offset: float, channels: Sequence[str], centres: int) -
             channels=tuple(
                 ChannelCalibration(name, drift, 0.0, FilterSettings(), ChannelError(0.1, 0.05)) for name in channels
             ),
-            training={
-                "tool": "soak",
-                "method": "polynomial" if not centres else "rbf",
-                "seed": int(offset),
-                "block": 5.0,
-                "reference": "mean",
-                "recordings": [{"name": "none", "start": 0, "duration": 1.0, "samples": 1}],
-            },
+            training=provenance("rbf" if centres else "polynomial", int(offset)),
         )
     )
 

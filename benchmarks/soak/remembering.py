@@ -5,6 +5,7 @@ from math import pi, sin
 
 import numpy as np
 
+from benchmarks.soak.provenance import provenance
 from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration, ChannelError
 from hgma_compensation.calibration.document import with_id
 from hgma_compensation.channels import CHANNELS
@@ -46,14 +47,7 @@ def remembering_calibration() -> Calibration:
             features=FeatureSettings(TrendNoise(process=1e-5, measurement=1e-4), delay=20.0, latency=0.1),
             calibrated_range=CalibratedRange(np.array([-11.0, -2.0, -9000.0]), np.array([81.0, 2.0, 9000.0])),
             channels=(ChannelCalibration(Z, nothing, REFERENCE, FilterSettings(), ChannelError(0.1, 0.05)),),
-            training={
-                "tool": "soak",
-                "method": "polynomial",
-                "seed": 0,
-                "block": 5.0,
-                "reference": "mean",
-                "recordings": [{"name": "none", "start": 0, "duration": 1.0, "samples": 1}],
-            },
+            training=provenance("polynomial", 0),
             effects=effects,
         )
     )

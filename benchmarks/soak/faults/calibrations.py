@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.soak.provenance import provenance
 from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration, ChannelError
 from hgma_compensation.calibration.document import with_id, write_calibration
 from hgma_compensation.channels import CHANNELS
@@ -54,14 +55,7 @@ def calibration(seed: int, modes: tuple[FilterMode, FilterMode, FilterMode]) -> 
                 )
                 for name, mode in zip((X, Y, Z), modes, strict=True)
             ),
-            training={
-                "tool": "soak",
-                "method": "polynomial",
-                "seed": seed,
-                "block": 5.0,
-                "reference": "mean",
-                "recordings": [{"name": "none", "start": 0, "duration": 1.0, "samples": 1}],
-            },
+            training=provenance("polynomial", seed),
             effects=tuple(
                 AppliedEffect(channel, make(name, parameters), np.array(gains))
                 for channel, name, parameters, gains in EFFECTS
