@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from hgma_compensation.channels import columns_of
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.pipeline import pipeline as pipeline_module
-from hgma_compensation.pipeline.pipeline import Compensated, Pipeline
+from hgma_compensation.pipeline.compensated import Compensated, joined
+from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.stamps import NANOSECONDS
 
@@ -24,12 +25,8 @@ def batch(calibration):
 
 
 def assert_same_bits(one, other):
-    for name in Compensated.__dataclass_fields__:
+    for name in Compensated.FIELDS:
         assert getattr(one, name).tobytes() == getattr(other, name).tobytes(), name
-
-
-def joined(parts):
-    return Compensated(*(np.concatenate([getattr(p, n) for p in parts]) for n in Compensated.__dataclass_fields__))
 
 
 @pytest.mark.parametrize("mode", list(FilterMode))
