@@ -86,6 +86,11 @@ class Compensated:
             return None
         return np.asarray(self.uncertainty[row] ** 2)
 
+    def take(self, rows: NDArray[np.int64]) -> "Compensated":
+        """Return the results of some samples (k,)."""
+        slow = _Given(self.features[rows], self.inside_range[rows], self.status[rows], self.uncertainty[rows])
+        return Compensated(self.values[rows], self.drift[rows], self.innovation[rows], self.unfiltered[rows], slow)
+
 
 class _Joined:
     """What the slow inputs say of consecutive samples."""
@@ -131,7 +136,10 @@ class _Given:
     inside_range: NDArray[np.bool_]
     status: NDArray[np.uint8]
     uncertainty: Array
-    ordinary: bool = True
+
+    @property
+    def ordinary(self) -> bool:
+        return not self.status.any()
 
 
 def nothing(channels: int) -> Compensated:

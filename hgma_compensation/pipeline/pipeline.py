@@ -72,6 +72,17 @@ class Pipeline:
         """Return for each channel what the innovations of its Kalman stage were like since the last call."""
         return [Consistency() if stage is None else stage.take_consistency() for stage in self._filters]
 
+    def only_goes_on(self, stamps: Stamps) -> bool:
+        """Return whether stamps (n > 0,) in ns increase and follow on those before without a gap."""
+        return self._stretches.only_goes_on(stamps)
+
+    def columns_of(self, imu: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the calibrated channels (n, c) out of columns CHANNELS (n, 6), a view where they lie side by side."""
+        first, last = self._columns[0], self._columns[-1]
+        if self._columns == list(range(first, last + 1)):
+            return imu[:, first : last + 1]
+        return imu[:, self._columns]
+
     def reset(self) -> None:
         """Forget all inputs, memories and filter states; the calibration stays."""
         self._time_lines.reset()
@@ -145,6 +156,9 @@ class Pipeline:
             raise ValueError(f"effects of the calibration need imu: they read {', '.join(missing)}")
         if not len(stamps):
             return nothing(len(self._columns))
+        if len(stamps) <= CHUNK and self._stretches.go_on(stamps):
+            self._time_lines.follow(int(stamps[0]))
+            return self._compensate(stamps, values, imu)
         parts = []
         for rows, cut in self._stretches.split(stamps, CHUNK):
             self._enter(cut, int(stamps[rows.start]))
@@ -182,7 +196,7 @@ class Pipeline:
         drift = slow.drift if not self.stage.has_fast else self._with_fast_effects(stamps, values, imu, slow)
         unfiltered = values - drift
         if not self._filtered:
-            return Compensated(unfiltered, drift, np.broadcast_to(0.0, drift.shape), unfiltered, slow)
+            return Compensated(unfiltered, drift, np.zeros(drift.shape), unfiltered, slow)
         corrected, innovation = unfiltered.copy(order="K"), np.zeros_like(unfiltered)
         self._filter(stamps, corrected, innovation)
         return Compensated(corrected, drift, innovation, unfiltered, slow)
