@@ -34,7 +34,8 @@ class EffectStage:
         self.effects, self._columns = tuple(effects), columns_of(channels)
         self._references = np.array(references, dtype=np.float64)
         self.needs: frozenset[Need] = frozenset(need for applied in effects for need in applied.effect.needs)
-        self.history = max((applied.effect.history for applied in effects), default=0.0)
+        self.delays = frozenset(applied.effect.history for applied in effects if applied.effect.history > 0.0)
+        self.history = max(self.delays, default=0.0)
         parts = self._parts = [_Part(applied) for applied in effects]
         with_memory = [(part, part.memory) for part in parts if part.memory is not None]
         bank = Bank([memory for _, memory in with_memory])

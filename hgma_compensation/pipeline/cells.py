@@ -1,7 +1,8 @@
 """Cells of time in which a drift that is slow is a straight line, predicted at the beginning of the cell.
 
-A cell begins where readings go on to another sample of a slow input, and at each multiple of STEP; it ends at the next
-multiple. What it holds is decided by stamps alone, so that a stream and a batch have the same cells.
+A cell begins where readings, be it of now or of a delay ago, go on to another sample of a slow input, and at each
+multiple of STEP; it ends at the next multiple. What it holds is decided by stamps alone, so that a stream and a batch
+have the same cells.
 """
 
 from dataclasses import dataclass
@@ -12,8 +13,8 @@ from numpy.typing import NDArray
 from hgma_compensation.pipeline.inputs import Inputs
 from hgma_compensation.stamps import Stamps
 
-STEP = 100_000_000
-"""Longest cell, ns: the temperature moves by a hundredth of a degree in it, and a thermistor's interval is as long."""
+STEP = 500_000_000
+"""Longest cell, ns: the temperature moves by less than a tenth of a degree in it."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from hgma_compensation.effects.effect import Need
 from hgma_compensation.effects.stage import EffectStage
 from hgma_compensation.pipeline.held_series import HeldSeries
 from hgma_compensation.stamps import NANOSECONDS, Stamps, to_nanoseconds
-from hgma_compensation.temperature.features import FeatureSettings
+from hgma_compensation.temperature.features import FeatureSettings, Product
 from hgma_compensation.temperature.track import Sample, TemperatureTrack
 from hgma_compensation.temperature.updates import Updates
 from hgma_compensation.time_jumps import TIME_JUMP
@@ -38,6 +38,8 @@ class Inputs:
         self.version = 0
         self._settings, self._box, self._stage = settings, box, stage
         self._latency = to_nanoseconds(settings.latency)
+        delays = {settings.delay} if settings.product is Product.DELAY else set()
+        self._delays = [to_nanoseconds(delay) for delay in sorted(delays | stage.delays) if delay > 0.0]
         needs = (Need.TEMPERATURE_2, Need.SUPPLY_VOLTAGE)
         self.wanted: tuple[Need | None, ...] = (None, *(need for need in needs if need in stage.needs))
         self._reach = settings.reach(max(settings.delay, stage.history)) + ACCELERATION_LAG
@@ -75,8 +77,9 @@ class Inputs:
 
     def changes(self, low: int, high: int) -> Stamps:
         """Return the stamps in low < s < high (ns) from which on readings of any input may use another sample."""
-        series = [self.updates(need).changes(low, high, self._latency) for need in self.wanted]
-        return series[0] if len(series) == 1 else np.concatenate(series)
+        found = [self.updates(need).changes(low, high, self._latency) for need in self.wanted]
+        found += [self.updates(None).changes(low - back, high - back, self._latency) + back for back in self._delays]
+        return np.concatenate(found)
 
     def conditions(
         self,

@@ -1,8 +1,8 @@
 """The drift that the slow inputs make, evaluated at both ends of cells: drift model and slow effects.
 
-Between the ends it is a straight line. With h = STEP the line is off by at most h²/8 times the greatest second
-derivative of the drift with time, plus the part of a step in an estimate of the past (of ΔT, or of a timing offset)
-that falls into the cell: see docs/METHOD.md for the size of both.
+Between the ends it is a straight line. Nothing steps inside a cell, so that with h = STEP the line is off by at most
+h²/8 times the greatest second derivative of the drift with time in it (the chord's bound; de Boor 2001, section III):
+see docs/METHOD.md for its size.
 """
 
 from dataclasses import dataclass

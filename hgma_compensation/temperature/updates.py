@@ -174,10 +174,11 @@ class Updates:
 
         Other arguments as for ``read``.
         """
-        at, known = stamps - back, stamps if as_of is None else as_of
-        if len(self):
-            at = np.maximum(at, self._table.power_on[self._table.used(known, latency)])
-        return self.read(at, latency, horizon, None if as_of is None else np.minimum(at, known))[0]
+        if not len(self):
+            return self.read(stamps, latency, horizon)[0]
+        power_on = self._table.power_on[self._table.used(stamps if as_of is None else as_of, latency)]
+        at = np.maximum(stamps - back, power_on)
+        return self.read(at, latency, horizon, None if as_of is None else np.maximum(as_of - back, power_on))[0]
 
     def read_memory(self, stamps: Stamps, latency: int, horizon: float, as_of: Stamps | None = None) -> Array:
         """Return the memory's states (n, m): those of the updates used, moved on to the predicted temperature.
