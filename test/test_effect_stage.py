@@ -1,4 +1,4 @@
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -16,6 +16,7 @@ REFERENCES = (1.0, 9.81)
 
 def drift_of(stage, at, states):
     """Return the drift (n, c) of all effects, the slow ones evaluated with each sample."""
+    at = replace(at, acceleration=at.acceleration.copy())
     drift = stage.slow_drift(at, states)
     stage.add_fast(drift, at, states)
     return drift

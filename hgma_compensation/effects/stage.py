@@ -77,22 +77,27 @@ class EffectStage:
     def add_fast(self, drift: Array, at: Conditions, states: Array) -> None:
         """Add to the drift (n, c) of the slow effects what the others make; moves their memories on by n samples.
 
-        at.acceleration: (n, 6), less the drift model in calibrated channels. states: (n, m) of ``memory``, (n, 0) where
-        ``fast_need_memory`` is not set.
+        at.acceleration: (n, 6), less the drift model in calibrated channels; it is used up. states: (n, m) of
+        ``memory``, (n, 0) where ``fast_need_memory`` is not set.
         """
-        at = self._from_rest(at)
+        acceleration = at.acceleration
+        acceleration[:, self._columns] -= self._references
         for number, column in enumerate(self._columns):
             for part in self._additive[number]:
                 drift[:, number] += part.drift(at, states)
-            seen = _less(at, column, drift[:, number]) if self._bent[number] else at
+            if not self._bent[number]:
+                continue
+            before = acceleration[:, column].copy()
+            acceleration[:, column] -= drift[:, number]
             for part in self._bent[number]:
-                bent = part.drift(seen, states)
+                bent = part.drift(at, states)
                 drift[:, number] += bent
-                seen = _less(seen, column, bent)
+                acceleration[:, column] -= bent
+            acceleration[:, column] = before
 
     def _from_rest(self, at: Conditions) -> Conditions:
         """Return the conditions with the acceleration taken from the references."""
-        acceleration = at.acceleration.copy()
+        acceleration = at.acceleration.copy(order="K")
         acceleration[:, self._columns] -= self._references
         return replace(at, acceleration=acceleration)
 
@@ -190,13 +195,6 @@ class _Part:
             run = self.acceleration_memory.run(self.state, at.stamps, at.acceleration[:, self._column])
             self.state = run[-1].copy()
         return run if not len(self.places) else np.concatenate([known, run], axis=1)
-
-
-def _less(at: Conditions, column: int, drift: Array) -> Conditions:
-    """Return the conditions with a drift (n,) taken from the acceleration in a column."""
-    acceleration = at.acceleration.copy()
-    acceleration[:, column] -= drift
-    return replace(at, acceleration=acceleration)
 
 
 def _plain(state: Array) -> list[float | str]:
