@@ -38,7 +38,7 @@ def clock(kind: str, count: int, random: np.random.Generator) -> NDArray[np.int6
     elif kind == "pauses":
         steps[random.integers(0, count, 3)] = random.choice([5_000_000, 100_000_000, 5_000_000_000], 3)
     elif kind == "two rates":
-        steps[count // 2 :] = random.choice([333_302, 50_000, 1_000_000])
+        steps[count // 2 :] = random.choice([333_302, 50_000, 1_000_000, 20_000_000])
     return EPOCH + np.cumsum(steps)
 
 

@@ -15,6 +15,7 @@ from kalman_streams import CLOCKS, EPOCH, REFERENCE, ROUNDED_CLOCKS, WHITE, Stre
 
 from hgma_compensation.kalman import low_pass as low_passes
 from hgma_compensation.kalman.course import course, filter_samples
+from hgma_compensation.kalman.gate import InnovationGate
 from hgma_compensation.kalman.intervals import PAUSE, ROUNDING, Intervals, Steps
 from hgma_compensation.kalman.low_pass import load_lfilter, low_pass, low_pass_step
 from hgma_compensation.kalman.random_walk import RandomWalkFilter, RandomWalkNoise
@@ -66,6 +67,50 @@ def test_however_the_samples_are_split_no_bit_differs(stream, acts, length):
     assert outputs.tobytes() == one_by_one[0].tobytes()
     assert innovations.tobytes() == one_by_one[1].tobytes()
     assert views == one_by_one[2]
+
+
+def long_stream(kind: str, mode: FilterMode, event: str) -> Stream:
+    """6000 samples; in the first 3900 the filter settles, then something happens."""
+    random = np.random.default_rng(17)
+    deviation = WHITE / np.sqrt(333_300e-9)
+    shown = random.standard_normal(6000)
+    if event == "shock":
+        shown[3900:3920] += 100.0
+    else:
+        shown[3900:] += 50.0
+    noise = RandomWalkNoise.with_time_constant(WHITE, 0.02)
+    return Stream(clock(kind, 6000, random), REFERENCE + deviation * shown, FilterSettings(mode, noise), deviation)
+
+
+@pytest.mark.parametrize("kind", ["even", "jittered"])
+@pytest.mark.parametrize("mode", [FilterMode.SMOOTH, FilterMode.BIAS])
+@pytest.mark.parametrize("event", ["shock", "step"])
+def test_in_one_call_the_gate_opens_pays_back_and_closes_as_it_does_one_by_one(kind, mode, event):
+    stream = long_stream(kind, mode, event)
+    stage = KalmanStage(stream.settings, REFERENCE)
+    outputs, innovations, views = run(stage, stream, [], 6000)
+    one_by_one = run(KalmanStage(stream.settings, REFERENCE), stream, [], 1)
+    assert stage.openings == 1
+    assert stage.open == (event == "step" and mode is FilterMode.BIAS)
+    assert (outputs.tobytes(), innovations.tobytes()) == (one_by_one[0].tobytes(), one_by_one[1].tobytes())
+    assert views == one_by_one[2]
+
+
+@given(st.integers(0, 2**32 - 1), st.lists(st.integers(0, 400), max_size=3), st.booleans(), st.sampled_from([0.0, 1.0]))
+def test_the_gate_takes_many_innovations_as_one_by_one(seed, cuts, constant, wander):
+    random = np.random.default_rng(seed)
+    normalised, variances = 1.2 * random.standard_normal(400), random.uniform(0.5, 2.0, 400)
+    many, single = InnovationGate(3.0, wander), InnovationGate(3.0, wander)
+    for rows in np.split(np.arange(400), sorted(cuts)):
+        variance = 0.7 if constant else variances[rows]
+        count = many.take_until_exceeded(normalised[rows], variance)
+        each = np.broadcast_to(variance, rows.shape).tolist()
+        for value, own in zip(normalised[rows][:count].tolist(), each[:count], strict=True):
+            assert not single.exceeded(value, own)
+        assert many._totals == single._totals
+        if count < len(rows):
+            assert single.exceeded(float(normalised[rows][count]), each[count])
+            break
 
 
 @settings(deadline=None, max_examples=150)
@@ -171,15 +216,17 @@ def test_at_an_even_interval_the_gain_comes_to_stand_still(seconds_of_samples, i
 
 @settings(deadline=None)
 @given(
-    st.sampled_from(CLOCKS),
+    st.sampled_from([*CLOCKS, "a few ns"]),
     st.integers(0, 2**32 - 1),
     st.lists(st.integers(0, 300), max_size=4),
 )
 def test_intervals_of_many_stamps_are_those_one_by_one(kind, seed, cuts):
-    stamps = clock(kind, 300, np.random.default_rng(seed))
+    random = np.random.default_rng(seed)
+    stamps = np.cumsum(random.integers(0, 2, 300)) if kind == "a few ns" else clock(kind, 300, random)
     many, single = Intervals(), Intervals()
     many.newest = single.newest = int(stamps[0])
-    for part in np.split(stamps, sorted(cuts)):
+    # Cut also right behind the change of the rate, where the interval is still on its way.
+    for part in np.split(stamps, sorted([*cuts, 151])):
         if len(part):
             found = np.column_stack(many.steps(part).each(len(part)))
             assert found.tobytes() == np.array([single.step(stamp) for stamp in part.tolist()]).tobytes()

@@ -12,6 +12,9 @@ Array = NDArray[np.float64]
 ROUNDING = 1
 """ns by which steps of one even interval differ: those of 3 kHz are 333 333 and 333 334 ns."""
 
+UNKNOWN = -1 - ROUNDING
+"""ns of an interval before there is one: no step is as long within the rounding."""
+
 PAUSE = 10.0
 """Times the interval before: a longer one is a pause, in which the level went on and no sample was taken."""
 
@@ -61,7 +64,7 @@ class Intervals:
 
     def reset(self) -> None:
         """Forget every stamp."""
-        self.newest = self._held = 0
+        self.newest, self._held = 0, UNKNOWN
         self._averaged = 0.0
 
     def step(self, stamp: int) -> tuple[float, float]:
@@ -96,7 +99,7 @@ class Intervals:
         return Steps(each[:, 0], each[:, 1])
 
 
-def hold_steps(ns: NDArray[np.int64], held: int = 0) -> NDArray[np.int64]:
+def hold_steps(ns: NDArray[np.int64], held: int = UNKNOWN) -> NDArray[np.int64]:
     """Return the steps (n,) that count for steps (n,) after one that counted as ``held``, in ns."""
     counting = []
     lowest, highest = held - ROUNDING, held + ROUNDING
