@@ -233,6 +233,14 @@ def test_intervals_of_many_stamps_are_those_one_by_one(kind, seed, cuts):
     assert vars(many) == vars(single)
 
 
+@pytest.mark.parametrize("length", [1, 100])
+def test_samples_1_ns_apart_have_an_interval(length):
+    stamps, stage = EPOCH + np.arange(100), KalmanStage(SMOOTH, REFERENCE)
+    outputs = [stage.run(part, REFERENCE + 1e3 * np.sin(part - EPOCH))[0] for part in np.split(stamps, 100 // length)]
+    assert np.isfinite(outputs).all()
+    assert stage.take_consistency().closed == 99
+
+
 def test_steps_that_differ_by_rounding_are_one_interval_and_others_are_not():
     intervals = Intervals()
     intervals.newest = EPOCH

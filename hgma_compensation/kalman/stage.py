@@ -1,5 +1,7 @@
 """The Kalman stage of one channel, for a stream in parts of any length."""
 
+from collections import deque
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -70,7 +72,7 @@ class KalmanStage:
                 return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
         if len(stamps) >= FEWEST:
             with np.errstate(over="ignore", invalid="ignore"):
-                return self._run_many(self._intervals.steps(stamps), np.asarray(measured, dtype=np.float64))
+                return self._run_many(self._intervals.steps(stamps), np.ascontiguousarray(measured, dtype=np.float64))
         take, step = self._filter.step, self._intervals.step
         taken = [take(*step(stamp), z) for stamp, z in zip(stamps.tolist(), measured.tolist(), strict=True)]
         outputs, innovations = zip(*taken, strict=True)
@@ -80,7 +82,7 @@ class KalmanStage:
         """Go through samples (n,) in parts in which the gate does not move and every sample has an interval."""
         stage, count = self._filter, len(samples)
         outputs, innovations = np.empty(count), np.empty(count)
-        late = [] if isinstance(steps.dt, float) else np.flatnonzero(steps.dt <= 0.0).tolist()
+        late = deque(() if isinstance(steps.dt, float) else np.flatnonzero(steps.dt <= 0.0).tolist())
         done = 0
         while done < count:
             stop = late[0] if late else count
@@ -95,7 +97,7 @@ class KalmanStage:
                 if len(passed.outputs) == wanted:
                     continue
             if done == stop:
-                late.pop(0)
+                late.popleft()
             outputs[done], innovations[done] = stage.step(*steps.at(done), float(samples[done]))
             done += 1
         return outputs, innovations
