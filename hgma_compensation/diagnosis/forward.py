@@ -132,13 +132,15 @@ class Forward:
     def _stage(self, state: State, largest: float) -> tuple[State, list[Candidate]]:
         """Return the state under the noise beside the best candidate, and the candidates, best first."""
         grid = self._grid(state)
-        best = self._polished(state, state.score(grid))
+        scored = state.score(grid)
+        best = self._polished(state, scored)
         if best:
             # Under the noise that is left beside the best candidate: before, its own structure counts as noise.
             noise = State.of(self.problem, (*state.effects, best[0].effect))
             state = noise.with_effects(state.effects, state.columns)
-            best = self._polished(state, state.score(grid))
-        smooth = [s for s in state.score(grid) if s.name != LINE]
+            scored = state.score(grid)
+            best = self._polished(state, scored)
+        smooth = [s for s in scored if s.name != LINE]
         null = null_maxima(state.projection, [s.directions for s in smooth], self.random)
         slow = slow_directions(state)
         return state, [self._judged(state, slow, scored, null.p_value, largest) for scored in best]
