@@ -1,0 +1,106 @@
+"""Recordings for the offline rows, made once and kept in a folder that git ignores."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.bench.samples import SEED, THERMISTOR_NOISE, Array, accelerations, temperature
+from benchmarks.soak.serialised import STAMP, STAMP_AT, acceleration_at, imu_template
+from hgma_compensation import topics
+from hgma_compensation.recording import typestore as types
+from hgma_compensation.recording.bag_writer import BagWriter, Storage, new_bag
+from hgma_compensation.stamps import NANOSECONDS
+
+EPOCH = 1_600_000_000 * NANOSECONDS
+CHUNK = 600.0
+"""s of the recording that are made at once."""
+
+CONTENT = 1
+"""Counts up where the same description comes to mean other bytes, so that old files are not taken for new ones."""
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a bag holds: s, Hz of the accelerometer, samples in a message (1: Imu), Hz of the thermistor."""
+
+    seconds: float
+    rate: float
+    block: int = 1
+    thermistor_rate: float = 1.0
+    storage: Storage = Storage.MCAP
+
+    @property
+    def name(self) -> str:
+        """Return the folder's name."""
+        numbers = f"{self.seconds:g}s_{self.rate:g}hz_{self.block}_{self.thermistor_rate:g}hz"
+        return f"bag{CONTENT}_{numbers}_{self.storage.value}"
+
+    @property
+    def samples(self) -> int:
+        """Return the number of accelerometer samples: whole blocks."""
+        return int(self.seconds * self.rate) // self.block * self.block
+
+
+def bag(content: Content, folder: Path) -> Path:
+    """Return the path of a bag with that content; made where it is not there yet."""
+    path = folder / content.name
+    if not path.exists():
+        with new_bag(path, content.storage) as writer:
+            for connection, time, raw in _messages(content, writer):
+                writer.write_raw(connection, time, raw)
+    return path
+
+
+def _messages(content: Content, writer: BagWriter) -> Iterator[tuple[Any, int, bytes | memoryview]]:
+    """Yield topic, log time (ns) and serialised message, a chunk of thermistor samples before its accelerations."""
+    random = np.random.default_rng(SEED)
+    thermistor = writer.topic(topics.in_bag(topics.TEMPERATURE), types.TEMPERATURE)
+    block = content.block > 1
+    raw_topic, kind = (topics.RAW_BLOCK, types.ACCEL_BLOCK) if block else (topics.RAW, types.IMU)
+    accelerometer = writer.topic(topics.in_bag(raw_topic), kind)
+    chunk = max(int(CHUNK * content.rate) // content.block, 1) * content.block
+    slow_done = 0
+    for first in range(0, content.samples, chunk):
+        numbers = np.arange(first, min(first + chunk, content.samples))
+        slow_end = int(numbers[-1] / content.rate * content.thermistor_rate) + 1
+        slow = np.arange(slow_done, slow_end) / content.thermistor_rate
+        slow_done = slow_end
+        celsius = temperature(slow) + THERMISTOR_NOISE * random.standard_normal(len(slow))
+        values = accelerations(numbers / content.rate, content.rate, random)
+        stamps = EPOCH + np.rint(numbers * (NANOSECONDS / content.rate)).astype(np.int64)
+        fast = _blocks(content, writer, stamps, values) if block else _imus(stamps, values)
+        slow_stamps = (EPOCH + np.rint(slow * NANOSECONDS).astype(np.int64)).tolist()
+        waiting = list(zip(slow_stamps, celsius.tolist(), strict=True))[::-1]
+        for time, raw in fast:
+            while waiting and waiting[-1][0] <= time:
+                stamp, value = waiting.pop()
+                yield thermistor, stamp, _temperature(writer, stamp, value)
+            yield accelerometer, time, raw
+        for stamp, value in waiting[::-1]:
+            yield thermistor, stamp, _temperature(writer, stamp, value)
+
+
+def _imus(stamps: Array, values: Array) -> Iterator[tuple[int, bytes]]:
+    message, place = imu_template(), acceleration_at()
+    for stamp, row in zip(stamps.tolist(), values, strict=True):
+        STAMP.pack_into(message, STAMP_AT, *divmod(stamp, NANOSECONDS))
+        message[place : place + row.nbytes] = row.tobytes()
+        yield stamp, bytes(message)
+
+
+def _blocks(content: Content, writer: BagWriter, stamps: Array, values: Array) -> Iterator[tuple[int, memoryview]]:
+    message_type = writer.typestore.types[types.ACCEL_BLOCK]
+    single = values.astype(np.float32)
+    for first in range(0, len(stamps), content.block):
+        rows = slice(first, first + content.block)
+        header = writer.header(int(stamps[first]), "imu_link")
+        message = message_type(header, 1.0 / content.rate, *(np.ascontiguousarray(axis) for axis in single[rows].T))
+        yield int(stamps[rows][-1]), writer.typestore.serialize_cdr(message, types.ACCEL_BLOCK)
+
+
+def _temperature(writer: BagWriter, stamp: int, celsius: float) -> memoryview:
+    message = writer.typestore.types[types.TEMPERATURE](writer.header(stamp, "imu_link"), celsius, 0.0)
+    return writer.typestore.serialize_cdr(message, types.TEMPERATURE)
