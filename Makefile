@@ -62,7 +62,7 @@ soak: setup
 # Speed and memory against rivals, one table, in about 25 minutes on a machine that does nothing else.
 # BENCH_ARGUMENTS="messages blocks --json FILE" runs some of it; "--write-docs" puts all of it into docs/PERFORMANCE.md.
 bench: setup
-	OMP_NUM_THREADS=1 $(RUN) -m benchmarks.bench $(BENCH_ARGUMENTS)
+	$(RUN) -m benchmarks.bench $(BENCH_ARGUMENTS)
 
 clean:
 	rm -rf $(VENV) build dist install log demo_output paper_output *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

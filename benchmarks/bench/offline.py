@@ -13,8 +13,8 @@ from hgma_compensation.recording.bag_writer import Storage
 
 GROUP, RIVAL = "offline", "rosbags, read and write"
 CONTENTS = {
-    "300 000 messages": Content(seconds=300.0, rate=1000.0, thermistor_rate=10.0),
-    "500 blocks of 10 000": Content(seconds=50.0, rate=100_000.0, block=10_000, thermistor_rate=10.0),
+    "500 000 messages": Content(seconds=500.0, rate=1000.0, thermistor_rate=10.0),
+    "2000 blocks of 10 000": Content(seconds=200.0, rate=100_000.0, block=10_000, thermistor_rate=10.0),
 }
 
 

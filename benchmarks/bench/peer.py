@@ -36,10 +36,6 @@ class Peer:
         """Return whether somebody takes what is sent, and sends to the sink."""
         return bool(self._publisher.get_subscription_count() and self._node.count_publishers(self._sink))
 
-    def alone(self) -> bool:
-        """Return whether nobody else is there any more."""
-        return not self._publisher.get_subscription_count() and not self._node.count_publishers(self._sink)
-
     def send(self, message: bytes) -> None:
         """Publish a message."""
         self._publisher.publish(message)

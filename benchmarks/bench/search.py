@@ -53,8 +53,8 @@ class Search:
         return any(trial(rate) for _ in range(self.attempts))
 
 
-FIRST = Search()
-"""Where nothing is known of the rate."""
+FIRST = Search(finest=1.1)
+"""Where nothing is known of the rate; the repetitions after it go on in finer steps."""
 
 AGAIN = Search(step=1.05)
 """From the rate of the repetition before."""

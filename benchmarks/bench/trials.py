@@ -138,6 +138,8 @@ def latencies(peer: Peer, rate: float, seconds: float) -> Array:
                 peer.wait(left)
                 peer.take(heard)
                 heard_at += [time.perf_counter()] * (len(heard) - len(heard_at))
+    if not heard:
+        raise RuntimeError("no message came back")
     numbers = stream.received(heard).numbers
     return np.asarray(np.array(heard_at) - np.array(sent_at)[numbers])
 
