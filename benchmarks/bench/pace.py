@@ -41,16 +41,17 @@ def send_evenly(
 ) -> Pace:
     """Send samples 0, 1, ... at a rate in Hz for a time, and serve whatever comes back in between.
 
-    A burst that comes late is followed by the next one without a pause, so that the mean rate holds. give_up: asked
-    after each burst with the number sent so far, ends it.
+    A burst that comes late is made up for at twice the rate, so that the mean holds and no queue is flooded for what
+    the machine did to the source. give_up: asked after each burst with the number sent so far, ends it.
     """
     tick = max(BURST, 1.0 / rate)
     sent, late = 0, []
-    start = time.perf_counter()
+    begun = start = time.perf_counter()
     for burst in range(round(seconds / tick)):
         due = start + burst * tick
-        _wait(due, serve)
-        late.append(time.perf_counter() - due)
+        _wait(max(due, begun + 0.5 * tick), serve)
+        begun = time.perf_counter()
+        late.append(begun - due)
         end = round((burst + 1) * tick * rate)
         while sent < end:
             send(sent)
