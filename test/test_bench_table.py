@@ -4,6 +4,8 @@ import json
 
 import pytest
 
+from benchmarks.bench import __main__ as bench
+from benchmarks.bench import filtering
 from benchmarks.bench.__main__ import GROUPS, figures, main
 from benchmarks.bench.document import BEGIN, END, generated, update, with_generated
 from benchmarks.bench.row import Result, Row, Target, alternate
@@ -121,3 +123,42 @@ def test_every_group_is_a_module():
 def test_what_is_generated_names_the_machine_below_the_table():
     text = generated([row([1.0], [1.0])], {"processor": "some"})
     assert text.index("group: name") < text.index("| processor | some |")
+
+
+@pytest.fixture
+def _quick(monkeypatch, tmp_path):
+    """The whole command on one group of a few samples, in a folder of its own."""
+    monkeypatch.setattr(filtering, "OURS", 2000)
+    monkeypatch.setattr(filtering, "RIVALS", 50)
+    monkeypatch.setattr(bench, "GROUPS", ("filtering", "start"))
+    monkeypatch.setattr(bench, "BAGS", tmp_path / "bags")
+    monkeypatch.setattr(bench, "DOCUMENT", tmp_path / "document.md")
+    monkeypatch.setattr(bench, "private_ros_environment", dict)
+    bench.DOCUMENT.write_text(f"{BEGIN}{END}", encoding="utf-8")
+
+
+@pytest.mark.usefixtures("_quick")
+def test_a_group_that_fails_leaves_the_others_and_the_document_alone(monkeypatch, tmp_path, capsys):
+    def fails(name):
+        if name.endswith("start"):
+            raise RuntimeError("does not answer")
+        return filtering
+
+    monkeypatch.setattr(bench, "import_module", fails)
+    assert main(["--write-docs", "--json", str(tmp_path / "figures.json"), "--repetitions", "3"]) == 1
+    said = capsys.readouterr()
+    assert "start: does not answer" in said.err
+    assert "not measured: start" in said.out
+    assert bench.DOCUMENT.read_text(encoding="utf-8") == f"{BEGIN}{END}"
+    document = json.loads((tmp_path / "figures.json").read_text())
+    assert [line["group"] for line in document["rows"]] == ["filtering"]
+
+
+@pytest.mark.usefixtures("_quick")
+def test_a_run_of_all_groups_is_written_into_the_document(monkeypatch):
+    monkeypatch.setattr(bench, "GROUPS", ("filtering",))
+    main(["--write-docs", "--repetitions", "3"])
+    text = bench.DOCUMENT.read_text(encoding="utf-8")
+    assert "filtering: smooth" in text
+    assert "| cores |" in text
+    assert list(bench.BAGS.iterdir()) == []
