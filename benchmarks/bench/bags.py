@@ -15,8 +15,8 @@ from hgma_compensation.recording.bag_writer import BagWriter, Storage, new_bag
 from hgma_compensation.stamps import NANOSECONDS
 
 EPOCH = 1_600_000_000 * NANOSECONDS
-CHUNK = 600.0
-"""s of the recording that are made at once."""
+CHUNK = 1_000_000
+"""Samples that are made at once."""
 
 CONTENT = 1
 """Counts up where the same description comes to mean other bytes, so that old files are not taken for new ones."""
@@ -61,7 +61,7 @@ def _messages(content: Content, writer: BagWriter) -> Iterator[tuple[Any, int, b
     block = content.block > 1
     raw_topic, kind = (topics.RAW_BLOCK, types.ACCEL_BLOCK) if block else (topics.RAW, types.IMU)
     accelerometer = writer.topic(topics.in_bag(raw_topic), kind)
-    chunk = max(int(CHUNK * content.rate) // content.block, 1) * content.block
+    chunk = max(CHUNK // content.block, 1) * content.block
     slow_done = 0
     for first in range(0, content.samples, chunk):
         numbers = np.arange(first, min(first + chunk, content.samples))

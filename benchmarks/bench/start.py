@@ -10,18 +10,20 @@ from benchmarks.bench.pace import send_evenly
 from benchmarks.bench.peer import Peer
 from benchmarks.bench.processes import node_command, peak_megabytes, relay_command, started
 from benchmarks.bench.row import Result, Row, Target, transposed
-from benchmarks.bench.trials import THERMISTOR_RATE, TIMEOUT
+from benchmarks.bench.trials import TIMEOUT
 from hgma_compensation.node.interfaces import INPUT_QOS
 
 GROUP, RIVAL = "start", "empty rclpy node"
-RATE = 1000.0
+RATE, THERMISTOR_RATE = 1000.0, 100.0
+"""Hz; a thermistor so fast that a node does not wait for it."""
+
 AFTER = 2.0
 """s after the first output at which the memory is read."""
 
 
 @dataclass(frozen=True)
 class Start:
-    """seconds: to the first output. peak_megabytes: of the process and its children, a while later."""
+    """seconds: to the first output, ours compensated. peak_megabytes: of process and children, a while later."""
 
     seconds: float
     peak_megabytes: float
@@ -32,7 +34,7 @@ def measure(given: Given) -> Result:
     commands = (node_command(given.calibrations.plain()), relay_command("imu", INPUT_QOS.depth))
     turns = []
     for repetition in range(given.repetitions):
-        ours, rival = _start(commands[0]), _start(commands[1])
+        ours, rival = _start(commands[0], compensates=True), _start(commands[1], compensates=False)
         turns.append((ours, rival))
         given.say(
             f"start {repetition + 1}/{given.repetitions}: {ours.seconds:.3f} s, {ours.peak_megabytes:.0f} MB; "
@@ -48,17 +50,20 @@ def measure(given: Given) -> Result:
     return Result(rows, {"starts": [[asdict(start) for start in turn] for turn in turns]})
 
 
-def _start(command: list[str]) -> Start:
+def _start(command: list[str], *, compensates: bool) -> Start:
     with imu_peer() as peer:
         begun = time.perf_counter()
         with started(command) as process:
-            seconds = _first_answer(peer) - begun
-            _first_answer(peer, after=AFTER)
+            seconds = _first_answer(peer, changed=compensates) - begun
+            _first_answer(peer, changed=compensates, after=AFTER)
             return Start(seconds, peak_megabytes(process.pid))
 
 
-def _first_answer(peer: Peer, after: float = 0.0) -> float:
-    """Stream until a message comes back later than ``after`` s from now; return when, on the clock of perf_counter."""
+def _first_answer(peer: Peer, *, changed: bool, after: float = 0.0) -> float:
+    """Stream until a message comes back later than ``after`` s from now; return when, on the clock of perf_counter.
+
+    changed: what comes back as it was sent is no answer: a node without a temperature leaves it as it is.
+    """
     stream = ImuStream(RATE, time.time_ns())
     heard: list[bytes] = []
     answered: list[float] = []
@@ -72,7 +77,7 @@ def _first_answer(peer: Peer, after: float = 0.0) -> float:
     def take() -> None:
         peer.take(heard)
         now = time.perf_counter()
-        if heard and now - begun >= after:
+        if heard and now - begun >= after and (not changed or stream.received(heard).changed):
             answered.append(now)
         heard.clear()
 
