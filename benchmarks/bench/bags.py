@@ -1,18 +1,22 @@
 """Recordings for the offline rows, made once and kept in a folder that git ignores."""
 
+import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from rosbags.interfaces import Connection
 
 from benchmarks.bench.samples import SEED, THERMISTOR_NOISE, Array, accelerations, temperature
 from benchmarks.soak.serialised import STAMP, STAMP_AT, acceleration_at, imu_template
 from hgma_compensation import topics
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.bag_writer import BagWriter, Storage, new_bag
-from hgma_compensation.stamps import NANOSECONDS
+from hgma_compensation.stamps import NANOSECONDS, Stamps
+
+Message = tuple[int, bytes | memoryview]
+"""Log time in ns, and the message serialised."""
 
 EPOCH = 1_600_000_000 * NANOSECONDS
 CHUNK = 1_000_000
@@ -54,36 +58,33 @@ def bag(content: Content, folder: Path) -> Path:
     return path
 
 
-def _messages(content: Content, writer: BagWriter) -> Iterator[tuple[Any, int, bytes | memoryview]]:
-    """Yield topic, log time (ns) and serialised message, a chunk of thermistor samples before its accelerations."""
+def _messages(content: Content, writer: BagWriter) -> Iterator[tuple[Connection, int, bytes | memoryview]]:
+    """Yield topic, log time (ns) and serialised message."""
     random = np.random.default_rng(SEED)
     thermistor = writer.topic(topics.in_bag(topics.TEMPERATURE), types.TEMPERATURE)
-    block = content.block > 1
-    raw_topic, kind = (topics.RAW_BLOCK, types.ACCEL_BLOCK) if block else (topics.RAW, types.IMU)
-    accelerometer = writer.topic(topics.in_bag(raw_topic), kind)
+    kind = (topics.RAW_BLOCK, types.ACCEL_BLOCK) if content.block > 1 else (topics.RAW, types.IMU)
+    accelerometer = writer.topic(topics.in_bag(kind[0]), kind[1])
     chunk = max(CHUNK // content.block, 1) * content.block
     slow_done = 0
     for first in range(0, content.samples, chunk):
-        numbers = np.arange(first, min(first + chunk, content.samples))
-        slow_end = int(numbers[-1] / content.rate * content.thermistor_rate) + 1
-        slow = np.arange(slow_done, slow_end) / content.thermistor_rate
-        slow_done = slow_end
+        time = np.arange(first, min(first + chunk, content.samples)) / content.rate
+        slow = np.arange(slow_done, int(time[-1] * content.thermistor_rate) + 1) / content.thermistor_rate
+        slow_done += len(slow)
         celsius = temperature(slow) + THERMISTOR_NOISE * random.standard_normal(len(slow))
-        values = accelerations(numbers / content.rate, content.rate, random)
-        stamps = EPOCH + np.rint(numbers * (NANOSECONDS / content.rate)).astype(np.int64)
-        fast = _blocks(content, writer, stamps, values) if block else _imus(stamps, values)
-        slow_stamps = (EPOCH + np.rint(slow * NANOSECONDS).astype(np.int64)).tolist()
-        waiting = list(zip(slow_stamps, celsius.tolist(), strict=True))[::-1]
-        for time, raw in fast:
-            while waiting and waiting[-1][0] <= time:
-                stamp, value = waiting.pop()
-                yield thermistor, stamp, _temperature(writer, stamp, value)
-            yield accelerometer, time, raw
-        for stamp, value in waiting[::-1]:
-            yield thermistor, stamp, _temperature(writer, stamp, value)
+        values = accelerations(time, content.rate, random)
+        pack = _blocks if content.block > 1 else _imus
+        streams = (
+            ((thermistor, *message) for message in _temperatures(writer, _stamps(slow), celsius)),
+            ((accelerometer, *message) for message in pack(content, writer, _stamps(time), values)),
+        )
+        yield from heapq.merge(*streams, key=lambda message: message[1])
 
 
-def _imus(stamps: Array, values: Array) -> Iterator[tuple[int, bytes]]:
+def _stamps(time: Array) -> Stamps:
+    return EPOCH + np.rint(time * NANOSECONDS).astype(np.int64)
+
+
+def _imus(content: Content, writer: BagWriter, stamps: Stamps, values: Array) -> Iterator[Message]:
     message, place = imu_template(), acceleration_at()
     for stamp, row in zip(stamps.tolist(), values, strict=True):
         STAMP.pack_into(message, STAMP_AT, *divmod(stamp, NANOSECONDS))
@@ -91,7 +92,7 @@ def _imus(stamps: Array, values: Array) -> Iterator[tuple[int, bytes]]:
         yield stamp, bytes(message)
 
 
-def _blocks(content: Content, writer: BagWriter, stamps: Array, values: Array) -> Iterator[tuple[int, memoryview]]:
+def _blocks(content: Content, writer: BagWriter, stamps: Stamps, values: Array) -> Iterator[Message]:
     message_type = writer.typestore.types[types.ACCEL_BLOCK]
     single = values.astype(np.float32)
     for first in range(0, len(stamps), content.block):
@@ -101,6 +102,8 @@ def _blocks(content: Content, writer: BagWriter, stamps: Array, values: Array) -
         yield int(stamps[rows][-1]), writer.typestore.serialize_cdr(message, types.ACCEL_BLOCK)
 
 
-def _temperature(writer: BagWriter, stamp: int, celsius: float) -> memoryview:
-    message = writer.typestore.types[types.TEMPERATURE](writer.header(stamp, "imu_link"), celsius, 0.0)
-    return writer.typestore.serialize_cdr(message, types.TEMPERATURE)
+def _temperatures(writer: BagWriter, stamps: Stamps, celsius: Array) -> Iterator[Message]:
+    message_type = writer.typestore.types[types.TEMPERATURE]
+    for stamp, value in zip(stamps.tolist(), celsius.tolist(), strict=True):
+        message = message_type(writer.header(stamp, "imu_link"), value, 0.0)
+        yield stamp, writer.typestore.serialize_cdr(message, types.TEMPERATURE)
