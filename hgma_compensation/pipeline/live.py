@@ -11,7 +11,7 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import columns_of, group_of
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.compensated import Compensated, joined
 from hgma_compensation.pipeline.live_memory import LiveMemory
 from hgma_compensation.pipeline.live_state import ACCELERATION, INPUTS, LiveState
 from hgma_compensation.pipeline.observer import Observer
@@ -203,6 +203,20 @@ class LiveCompensation:
             return None
         self.compensated += len(stamps)
         return self.last_result
+
+    def compensate_each(
+        self, stamps: Stamps, values: NDArray[np.float64]
+    ) -> tuple[LiveResult, NDArray[np.int64]] | None:
+        """Compensate samples, stamps (n,) in ns and values (n, 6), that each came in a message of its own.
+
+        Those that are not usable are counted and left out; the array says which rows the result is about.
+        """
+        results = [self.compensate(stamps[row : row + 1], values[row : row + 1]) for row in range(len(stamps))]
+        kept = [(row, result) for row, result in enumerate(results) if result is not None]
+        if not kept:
+            return None
+        whole = joined([result.compensated for _, result in kept])
+        return LiveResult(kept[0][1].calibration, whole), np.array([row for row, _ in kept], dtype=np.int64)
 
     def covers(self, groups: Collection[str]) -> bool:
         """Return whether the calibration in use compensates a channel of one of these fields of an Imu."""
