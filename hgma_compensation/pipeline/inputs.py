@@ -32,14 +32,17 @@ class Inputs:
     wanted: those that are read, None for the thermistor.
     """
 
-    def __init__(self, settings: FeatureSettings, box: CalibratedRange, stage: EffectStage, *, live: bool) -> None:
-        """Start without history; live: drop history that no sample can reach any more."""
+    def __init__(
+        self, settings: FeatureSettings, box: CalibratedRange, stage: EffectStage, *, lag: float | None
+    ) -> None:
+        """Start without history; lag: s that the accelerometer may lag by before history is dropped, None: never."""
         self._settings, self._box, self._stage = settings, box, stage
         self._latency = to_nanoseconds(settings.latency)
         needs = (Need.TEMPERATURE_2, Need.SUPPLY_VOLTAGE)
         self.wanted: tuple[Need | None, ...] = (None, *(need for need in needs if need in stage.needs))
-        self._reach = settings.reach(max(settings.delay, stage.history)) + ACCELERATION_LAG
-        keep = self._reach if live else None
+        history = settings.reach(max(settings.delay, stage.history))
+        self._reach = history + ACCELERATION_LAG
+        keep = None if lag is None else history + lag
         self.temperature = TemperatureTrack(
             settings.noise, memory=stage.memory, limits=(float(box.lower[0]), float(box.upper[0])), keep=keep
         )
