@@ -100,6 +100,8 @@ def added_variances(result: Compensated) -> NDArray[np.float64] | None:
 
     NaN stands for nothing in a row; None for nothing at all.
     """
+    if result.ordinary:
+        return None
     unsure = result.status > 0
     if not unsure.any():
         return None
