@@ -100,7 +100,7 @@ def added_variances(result: Compensated) -> NDArray[np.float64] | None:
 
     NaN stands for nothing in a row; None for nothing at all.
     """
-    unsure = result.status > 0
-    if not unsure.any():
+    if result.ordinary:
         return None
+    unsure = result.status > 0
     return np.where(unsure[:, None], result.uncertainty**2, np.nan)
