@@ -20,8 +20,8 @@ from hgma_msgs.srv import LoadCalibration
 
 DIAGNOSTIC_PERIOD = 1.0
 
-EVENT_PERIOD = 0.5
-"""s within which a driver that cannot be heard is noticed."""
+TICK = 0.5
+"""s of wall time within which a driver that cannot be heard is noticed."""
 
 
 class CompensationNode(ManagedNode):
@@ -57,9 +57,7 @@ class CompensationNode(ManagedNode):
         self._ros_clock = RosClock(self, self._live.counts)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics)
         # On the steady clock: simulated time may stand still because of what the events tell.
-        self.create_timer(
-            EVENT_PERIOD, self.streams.endpoints.take_events, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        self.create_timer(TICK, self._on_tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def start(self) -> None:
         """Configure and activate, unless the parameter autostart is false."""
@@ -176,6 +174,10 @@ class CompensationNode(ManagedNode):
         cleared = "filter, memories and history cleared, calibration kept"
         response.success, response.message = True, cleared + self._keeper.discard()
         return response
+
+    def _on_tick(self) -> None:
+        self.streams.endpoints.take_events()
+        self._loader.start_process()
 
     def _on_diagnostics(self) -> None:
         elapsed = self._ros_clock.elapsed()

@@ -61,8 +61,10 @@ class States:
 
     def tell_last(self, stamp: int, result: LiveResult, header: Callable[[int], Header]) -> None:
         """Take the samples of one message, for which the last one stands, at ``stamp`` (ns)."""
-        compensated = result.compensated
-        if self._rate.wants(stamp, int(compensated.status[-1]), bool(compensated.inside_range[-1])):
+        compensated, status, inside = result.compensated, 0, True
+        if not compensated.ordinary:
+            status, inside = int(compensated.status[-1]), bool(compensated.inside_range[-1])
+        if self._rate.wants(stamp, status, inside):
             self._publish(header(0), result, -1)
 
     def _publish(self, header: Header, result: LiveResult, row: int) -> None:

@@ -1,6 +1,5 @@
 """The node's parameters: one table, and what is said of values and names that do not fit it."""
 
-import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -169,6 +168,8 @@ def check_qos_override(name: str, value: object) -> None:
 
 def unknown_names(names: Iterable[str], declared: Iterable[str]) -> dict[str, str]:
     """Return the names that are not declared, each with the nearest one that is, "" where none is near."""
+    import difflib  # which a start without a mistake does not wait for
+
     known = sorted(declared)
     return {name: next(iter(difflib.get_close_matches(name, known, 1)), "") for name in names if name not in known}
 

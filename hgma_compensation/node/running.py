@@ -4,7 +4,9 @@ import gc
 import sys
 import threading
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import rclpy
 from rclpy.exceptions import ParameterException
@@ -13,9 +15,10 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.node.compensation_node import CompensationNode
-from hgma_compensation.node.managed_node import described
-from hgma_compensation.node.waiting_executor import WaitingExecutor
+
+if TYPE_CHECKING:  # else imported while DDS looks for its peers
+    from hgma_compensation.node.compensation_node import CompensationNode
+    from hgma_compensation.node.waiting_executor import WaitingExecutor
 
 STOP_LATENCY = 200_000_000
 """ns after which a signal is noticed at the latest."""
@@ -37,7 +40,10 @@ def run(args: Sequence[str], stop: threading.Event) -> int:
         # rclpy's own handlers wake the executor from a thread of theirs, which races with its destruction and
         # crashes about one end in twenty (Jazzy, 7.1.6).
         _initialise(args)
-        node = _create()
+        with _discovery():
+            node = _create()
+        from hgma_compensation.node.waiting_executor import WaitingExecutor
+
         executor = WaitingExecutor(node.streams.endpoints.waiting.wake)
         executor.add_node(node)
         try:
@@ -58,7 +64,27 @@ def _initialise(args: Sequence[str]) -> None:
         raise RefusedError(f"arguments: {_cause(error)}") from error
 
 
-def _create() -> CompensationNode:
+@contextmanager
+def _discovery() -> Iterator[None]:
+    """Let DDS look for its peers from now on, which takes as long as it takes to load the rest of this program.
+
+    It begins with the first node of a context. Names that begin with an underscore are hidden from ``ros2 node list``.
+    """
+    first = rclpy.create_node(
+        "_compensation_node_start",
+        use_global_arguments=False,
+        enable_rosout=False,
+        start_parameter_services=False,
+    )
+    try:
+        yield
+    finally:
+        first.destroy_node()
+
+
+def _create() -> "CompensationNode":
+    from hgma_compensation.node.compensation_node import CompensationNode
+
     try:
         return CompensationNode()
     except (ParameterException, rclpy_implementation.RCLError) as error:
@@ -70,7 +96,7 @@ def _cause(error: Exception) -> str:
     return str(error).partition(", at /")[0].strip()
 
 
-def _spin(node: CompensationNode, executor: WaitingExecutor, stop: threading.Event) -> int:
+def _spin(node: "CompensationNode", executor: "WaitingExecutor", stop: threading.Event) -> int:
     """Serve samples and callbacks, all in this thread; an exception is a defect of this program, and ends it.
 
     What a half-finished callback leaves of filter and memories is unknown, and output computed from it would look like
@@ -88,6 +114,8 @@ def _spin(node: CompensationNode, executor: WaitingExecutor, stop: threading.Eve
     except ExternalShutdownException:
         pass
     except Exception as error:
+        from hgma_compensation.node.managed_node import described
+
         node.get_logger().fatal(f"internal error, the node ends: {described(error)}\n{traceback.format_exc()}")
         return FAILED
     return 0
@@ -96,5 +124,5 @@ def _spin(node: CompensationNode, executor: WaitingExecutor, stop: threading.Eve
 def share_interpreter() -> None:
     """Let no other thread, and no search for garbage among all that was imported, hold up the stream for long."""
     sys.setswitchinterval(GIVE_WAY)
-    gc.collect()
     gc.freeze()
+    gc.enable()

@@ -90,9 +90,9 @@ class Streams:
 
     def close(self) -> None:
         """Destroy what ``open`` created; nothing where it is closed."""
-        self._slow, self._fast = [], []
-        self.states.open(None)
         self.endpoints.close()
+        self.states.open(None)
+        self._slow, self._fast = [], []
 
     def serve(self) -> None:
         """Compensate what waits.
