@@ -31,24 +31,25 @@ def absent_groups(message: Any) -> set[str]:
     return {group for group in GROUPS if getattr(message, f"{group}_covariance")[0] == -1.0}
 
 
-def block_stamps(message: Any, count: int) -> Stamps:
-    """Return the stamps (ns) of the samples of an AccelBlock."""
-    offsets = np.rint(np.arange(count) * (message.sample_interval * 1e9)).astype(np.int64)
-    return stamp_of(message) + offsets
+def block_offsets(count: int, interval: float) -> Stamps:
+    """Return the stamps (n,) of the samples of a block in ns after its own; interval: s."""
+    return np.rint(np.arange(count) * (interval * 1e9)).astype(np.int64)
+
+
+def check_block(block: Any, source: str) -> None:
+    """Raise RefusedError where the axes of an AccelBlock differ in length or its interval is not positive."""
+    lengths = {len(getattr(block, axis)) for axis in AXES}
+    if len(lengths) != 1:
+        raise RefusedError(f"{source}: an AccelBlock has axes of different lengths ({sorted(lengths)})")
+    if not 0.0 < block.sample_interval < 3600.0:
+        raise RefusedError(f"{source}: an AccelBlock has sample_interval {block.sample_interval}, must be above 0 s")
 
 
 def block_samples(message: Any, source: str) -> tuple[Stamps, NDArray[np.float64]]:
-    """Return stamps (n,) and accelerations (n, 3) of an AccelBlock.
-
-    Raises RefusedError where the axes differ in length or the interval is not positive.
-    """
-    lengths = {len(getattr(message, axis)) for axis in AXES}
-    if len(lengths) != 1:
-        raise RefusedError(f"{source}: an AccelBlock has axes of different lengths ({sorted(lengths)})")
-    if not 0.0 < message.sample_interval < 3600.0:
-        raise RefusedError(f"{source}: an AccelBlock has sample_interval {message.sample_interval}, must be above 0 s")
+    """Return stamps (n,) and accelerations (n, 3) of an AccelBlock; raises RefusedError as ``check_block``."""
+    check_block(message, source)
     values = np.stack([np.asarray(getattr(message, axis), dtype=np.float64) for axis in AXES], axis=1)
-    return block_stamps(message, len(values)), values
+    return stamp_of(message) + block_offsets(len(values), message.sample_interval), values
 
 
 def patch_imu(message: Any, channels: Sequence[str], values: Sequence[float]) -> None:

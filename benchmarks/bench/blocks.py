@@ -11,7 +11,7 @@ from benchmarks.bench.processes import node_command, relay_command, started
 from benchmarks.bench.row import Result, Row, Target
 from benchmarks.bench.trials import TIMEOUT
 from hgma_compensation import topics
-from hgma_compensation.node.interfaces import INPUT_QOS
+from hgma_compensation.node.interfaces import input_qos
 from hgma_msgs.msg import AccelBlock
 
 GROUP, RIVAL = "blocks", "plain relay"
@@ -29,7 +29,7 @@ def measure(given: Given) -> Result:
     """Return the rows of the block path."""
     files = (given.calibrations.plain(), given.calibrations.smooth(), given.calibrations.with_effects())
     commands = [node_command(file, RELIABLE) for file in files]
-    commands.append(relay_command("block", INPUT_QOS.depth, "reliable"))
+    commands.append(relay_command("block", input_qos(topics.RAW_BLOCK).depth, "reliable"))
     trials: dict[str, list[BlockTrial]] = {name: [] for name in SIDES}
     for repetition in range(given.repetitions):
         for name, command in zip(SIDES, commands, strict=True):

@@ -15,7 +15,7 @@ from benchmarks.bench.row import Result, Row, Target
 from benchmarks.bench.search import AGAIN, FIRST, Search
 from benchmarks.bench.trials import Trial, latencies, stream_through, warm_up
 from hgma_compensation import topics
-from hgma_compensation.node.interfaces import INPUT_QOS
+from hgma_compensation.node.interfaces import input_qos
 
 GROUP, RIVAL = "messages", "plain relay"
 TRIAL_SECONDS, CPU_SECONDS, LATENCY_SECONDS = 5.0, 10.0, 10.0
@@ -31,7 +31,7 @@ def measure(given: Given) -> Result:
     """Return the rows of the message path."""
     commands = {
         "ours": node_command(given.calibrations.plain()),
-        "rival": relay_command("imu", INPUT_QOS.depth),
+        "rival": relay_command("imu", input_qos(topics.RAW).depth),
         "tutorial": relay_command("imu", TUTORIAL_DEPTH, "reliable"),
     }
     sides = {side: Side(command, FIRST_RATES[side], changes=side == "ours") for side, command in commands.items()}

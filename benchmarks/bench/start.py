@@ -11,7 +11,8 @@ from benchmarks.bench.peer import Peer
 from benchmarks.bench.processes import node_command, peak_megabytes, relay_command, started
 from benchmarks.bench.row import Result, Row, Target, transposed
 from benchmarks.bench.trials import TIMEOUT
-from hgma_compensation.node.interfaces import INPUT_QOS
+from hgma_compensation import topics
+from hgma_compensation.node.interfaces import input_qos
 
 GROUP, RIVAL = "start", "empty rclpy node"
 RATE, THERMISTOR_RATE = 1000.0, 100.0
@@ -31,7 +32,7 @@ class Start:
 
 def measure(given: Given) -> Result:
     """Return the rows of start and memory."""
-    commands = (node_command(given.calibrations.plain()), relay_command("imu", INPUT_QOS.depth))
+    commands = (node_command(given.calibrations.plain()), relay_command("imu", input_qos(topics.RAW).depth))
     turns = []
     for repetition in range(given.repetitions):
         ours, rival = _start(commands[0], compensates=True), _start(commands[1], compensates=False)

@@ -10,6 +10,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.pipeline.state_rate import DEFAULT_RATE
 
 Value = bool | int | float | str
 
@@ -93,6 +94,13 @@ STATE_MAX_AGE = ParameterRow(
     read_only=True,
     bounds=(0.0, 1e7),
 )
+STATE_RATE = ParameterRow(
+    "state_rate",
+    DEFAULT_RATE,
+    "States (accel/state) in a second of stamps, besides one at each change of status; 0: one with every sample",
+    read_only=True,
+    bounds=(0.0, 1e6),
+)
 USE_SIM_TIME = ParameterRow("use_sim_time", False, "Take the time of the diagnostics from /clock")
 
 PARAMETERS = (
@@ -102,6 +110,7 @@ PARAMETERS = (
     AUTOSTART,
     FRAME_ID,
     ON_BAD_TEMPERATURE,
+    STATE_RATE,
     STATE_FILE,
     STATE_PERIOD,
     STATE_MAX_AGE,

@@ -8,16 +8,17 @@ from collections.abc import Sequence
 
 import rclpy
 from rclpy.exceptions import ParameterException
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.node.compensation_node import CompensationNode
 from hgma_compensation.node.managed_node import described
+from hgma_compensation.node.waiting_executor import WaitingExecutor
 
-STOP_LATENCY = 0.2
-"""s after which a signal is noticed at the latest."""
+STOP_LATENCY = 200_000_000
+"""ns after which a signal is noticed at the latest."""
 
 FAILED = 1
 
@@ -37,7 +38,7 @@ def run(args: Sequence[str], stop: threading.Event) -> int:
         # crashes about one end in twenty (Jazzy, 7.1.6).
         _initialise(args)
         node = _create()
-        executor = SingleThreadedExecutor()
+        executor = WaitingExecutor(node.streams.endpoints.waiting.wake)
         executor.add_node(node)
         try:
             return _spin(node, executor, stop)
@@ -69,8 +70,8 @@ def _cause(error: Exception) -> str:
     return str(error).partition(", at /")[0].strip()
 
 
-def _spin(node: CompensationNode, executor: SingleThreadedExecutor, stop: threading.Event) -> int:
-    """Serve callbacks; an exception out of one is a defect of this program, and ends it.
+def _spin(node: CompensationNode, executor: WaitingExecutor, stop: threading.Event) -> int:
+    """Serve samples and callbacks, all in this thread; an exception is a defect of this program, and ends it.
 
     What a half-finished callback leaves of filter and memories is unknown, and output computed from it would look like
     any other: whoever started the process sees it fail, and starts it anew from a known state.
@@ -78,8 +79,12 @@ def _spin(node: CompensationNode, executor: SingleThreadedExecutor, stop: thread
     try:
         node.start()
         share_interpreter()
-        while not stop.is_set() and rclpy.ok():
-            executor.spin_once(timeout_sec=STOP_LATENCY)
+        executor.start()
+        streams, waiting = node.streams, node.streams.endpoints.waiting
+        while not stop.is_set():
+            if waiting.wait(STOP_LATENCY):
+                streams.serve()
+            executor.spin_once()
     except ExternalShutdownException:
         pass
     except Exception as error:

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import CHANNELS, columns_of
-from hgma_compensation.effects.effect import Need
+from hgma_compensation.effects.effect import Need, no_memory
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.stage import Consistency, KalmanStage
-from hgma_compensation.pipeline.compensated import Compensated, joined
-from hgma_compensation.pipeline.inputs import Inputs
-from hgma_compensation.pipeline.status import temperature_status
+from hgma_compensation.pipeline.compensated import Compensated, joined, zeros
+from hgma_compensation.pipeline.inputs import ACCELERATION_LAG, Inputs
+from hgma_compensation.pipeline.slow_drift import SlowDrift
+from hgma_compensation.pipeline.slow_samples import SlowSamples
 from hgma_compensation.pipeline.stretches import Cut, Stretches
 from hgma_compensation.pipeline.time_lines import TimeLines
 from hgma_compensation.pipeline.uncertainty import DriftUncertainty
@@ -34,17 +35,24 @@ class Pipeline:
     stamps. columns_read: of CHANNELS, those that must be finite. stage: the effects, with their state. Not thread-safe.
     """
 
-    def __init__(self, calibration: Calibration, *, live: bool = False) -> None:
-        """Start without history; live: drop history that no sample can reach any more."""
+    def __init__(self, calibration: Calibration, *, live: bool = False, lag: float | None = None) -> None:
+        """Start without history.
+
+        live: drop history that no sample can reach any more. lag: the same for a recording that is read in order, s by
+        which its accelerometer may lag the slow inputs.
+        """
         self.calibration = calibration
         self.stage = calibration.stage()
-        make = partial(Inputs, calibration.features, calibration.calibrated_range, self.stage, live=live)
+        lag = ACCELERATION_LAG if live else lag
+        make = partial(Inputs, calibration.features, calibration.calibrated_range, self.stage, lag=lag)
         self._time_lines = TimeLines(make, live=live)
         self._filters = [
             None if channel.filter.noise is None else KalmanStage(channel.filter, channel.reference)
             for channel in calibration.channels
         ]
+        self._filtered = any(stage is not None for stage in self._filters)
         self._uncertainty = DriftUncertainty(calibration)
+        self._slow = SlowDrift(calibration, self.stage)
         self._stretches = Stretches()
         self._before_gap: tuple[list[KalmanStage | None], list[Any]] = (self._filters, self.stage.snapshot())
         self.cuts: Counter[Cut] = Counter()
@@ -68,6 +76,17 @@ class Pipeline:
     def take_consistency(self) -> list[Consistency]:
         """Return for each channel what the innovations of its Kalman stage were like since the last call."""
         return [Consistency() if stage is None else stage.take_consistency() for stage in self._filters]
+
+    def only_goes_on(self, stamps: Stamps) -> bool:
+        """Return whether stamps (n > 0,) in ns increase and follow on those before without a gap."""
+        return self._stretches.only_goes_on(stamps)
+
+    def columns_of(self, imu: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the calibrated channels (n, c) out of columns CHANNELS (n, 6), a view where they lie side by side."""
+        first, last = self._columns[0], self._columns[-1]
+        if self._columns == list(range(first, last + 1)):
+            return imu[:, first : last + 1]
+        return imu[:, self._columns]
 
     def reset(self) -> None:
         """Forget all inputs, memories and filter states; the calibration stays."""
@@ -112,6 +131,10 @@ class Pipeline:
         """Take a sample of an input, None for the thermistor (ns, °C or V), and say what became of it."""
         return self._time_lines.add(need, stamp, value, self._stretches.newest)
 
+    def sets_back(self, need: Need | None, stamp: int) -> bool:
+        """Return whether a sample of an input at a stamp (ns) would move those before it to a corrected clock."""
+        return self._time_lines.sets_back(need, stamp)
+
     def comes_late(self, need: Need | None, stamp: int) -> bool:
         """Return whether an acceleration was compensated before that should have used a sample of an input, ns."""
         usable_from = stamp + to_nanoseconds(self.calibration.features.latency)
@@ -138,13 +161,17 @@ class Pipeline:
         samples over several calls changes no bit of the result. Where the clock does more than go on, filters and
         memories of the acceleration begin anew or are carried: see Cut.
         """
-        imu = self._widened(values) if imu is None else imu
+        if imu is None and (missing := self.stage.other_channels):
+            raise ValueError(f"effects of the calibration need imu: they read {', '.join(missing)}")
         if not len(stamps):
+            return zeros(0, len(self._columns))
+        if len(stamps) <= CHUNK and self._stretches.go_on(stamps):
+            self._time_lines.follow(int(stamps[0]))
             return self._compensate(stamps, values, imu)
         parts = []
         for rows, cut in self._stretches.split(stamps, CHUNK):
             self._enter(cut, int(stamps[rows.start]))
-            parts.append(self._compensate(stamps[rows], values[rows], imu[rows]))
+            parts.append(self._compensate(stamps[rows], values[rows], None if imu is None else imu[rows]))
         return parts[0] if len(parts) == 1 else joined(parts)
 
     def _enter(self, cut: Cut, stamp: int) -> None:
@@ -166,46 +193,34 @@ class Pipeline:
 
     def _widened(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return values (n, c) as columns of CHANNELS (n, 6), the others 0."""
-        if missing := self.stage.other_channels:
-            raise ValueError(f"effects of the calibration need imu: they read {', '.join(missing)}")
-        wide = np.zeros((len(values), len(CHANNELS)))
+        wide = np.zeros((len(CHANNELS), len(values))).T
         wide[:, self._columns] = values
         return wide
 
-    def _compensate(self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64]) -> Compensated:
+    def _compensate(self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None) -> Compensated:
         """Compensate one stretch without a jump back in time."""
+        cells, places = self._slow.at(self.inputs, stamps)
         calibration = self.calibration
-        features = read_features(self.track, calibration.features, stamps)
-        inside = calibration.calibrated_range.contains(features.values)
-        status = temperature_status(features, calibration.features, inside)
-        # Without any temperature the drift at the middle of the range is the best guess there is; the
-        # status says that it is one.
-        missing = np.isinf(features.age)
-        known = np.where(missing[:, None], calibration.calibrated_range.middle, features.values)
-        drift = self._drift(stamps, values, imu, known, missing)
-        corrected = values - drift
-        innovation = np.zeros_like(corrected)
+        slow = SlowSamples(stamps, cells, places, calibration.features, calibration.calibrated_range, self._uncertainty)
+        drift = slow.drift if not self.stage.has_fast else self._with_fast_effects(stamps, values, imu, slow)
+        unfiltered = values - drift
+        if not self._filtered:
+            return Compensated(unfiltered, drift, np.zeros(drift.shape), unfiltered, slow)
+        corrected, innovation = unfiltered.copy(order="K"), np.zeros_like(unfiltered)
         self._filter(stamps, corrected, innovation)
-        uncertainty = self._uncertainty.evaluate(known, features.age, status)
-        return Compensated(corrected, drift, innovation, known, inside, status, uncertainty)
+        return Compensated(corrected, drift, innovation, unfiltered, slow)
 
-    def _drift(
-        self,
-        stamps: Stamps,
-        values: NDArray[np.float64],
-        imu: NDArray[np.float64],
-        features: NDArray[np.float64],
-        unknown: NDArray[np.bool_],
+    def _with_fast_effects(
+        self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None, slow: SlowSamples
     ) -> NDArray[np.float64]:
-        """Return the drift (n, c) of model and effects, at features (n, 3) clamped to the calibrated range."""
-        clamped = self.calibration.calibrated_range.clamp(features)
-        drift = np.stack([channel.drift.evaluate(clamped) for channel in self.calibration.channels], axis=1)
-        if not self.stage.effects:
-            return drift
-        acceleration = imu.copy()
-        acceleration[:, self._columns] = values - drift
-        at = self.inputs.conditions(stamps, clamped, unknown, acceleration)
-        return drift + self.stage.drift(at, self.inputs.memory(stamps, unknown))
+        """Return the drift (n, c) of the slow inputs, and of the effects that each sample must be looked at for."""
+        acceleration = self._widened(values) if imu is None else imu.copy(order="K")
+        acceleration[:, self._columns] = values - slow.model
+        at = self.inputs.conditions(stamps, slow.clamped, slow.unknown, acceleration)
+        memory = self.inputs.memory(stamps, slow.unknown) if self.stage.fast_need_memory else no_memory(len(stamps))
+        effects = slow.effects
+        self.stage.add_fast(effects, at, memory)
+        return slow.model + effects
 
     def _filter(self, stamps: Stamps, corrected: NDArray[np.float64], innovation: NDArray[np.float64]) -> None:
         """Run the Kalman stage in place over one stretch (m, c)."""
