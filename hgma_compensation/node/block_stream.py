@@ -88,7 +88,8 @@ class BlockStream:
 
 def _widened(view: BlockView) -> NDArray[np.float64]:
     """Return the accelerations of a block as columns of CHANNELS (n, 6), widened as they are copied."""
-    wide = np.zeros((len(view.x), len(CHANNELS)))
+    # Column by column in memory, as they are read; those that nobody reads are never touched.
+    wide = np.zeros((len(CHANNELS), len(view.x))).T
     for column, axis in enumerate(AXES):
         wide[:, column] = getattr(view, axis)
     return wide

@@ -142,8 +142,8 @@ class _Given:
         return not self.status.any()
 
 
-def nothing(channels: int) -> Compensated:
-    """Return the result for no sample of so many channels."""
-    empty = np.empty((0, channels))
-    slow = _Given(np.empty((0, 3)), np.empty(0, dtype=np.bool_), np.empty(0, dtype=np.uint8), empty)
-    return Compensated(empty, empty, empty, empty, slow)
+def zeros(samples: int, channels: int) -> Compensated:
+    """Return a result in which everything is 0, for no sample or as a form to be filled in."""
+    none = np.zeros((samples, channels))
+    slow = _Given(np.zeros((samples, 3)), np.zeros(samples, dtype=np.bool_), np.zeros(samples, dtype=np.uint8), none)
+    return Compensated(none, none, none, none, slow)

@@ -33,8 +33,10 @@ class Inputs:
     forgotten.
     """
 
-    def __init__(self, settings: FeatureSettings, box: CalibratedRange, stage: EffectStage, *, live: bool) -> None:
-        """Start without history; live: drop history that no sample can reach any more."""
+    def __init__(
+        self, settings: FeatureSettings, box: CalibratedRange, stage: EffectStage, *, lag: float | None
+    ) -> None:
+        """Start without history; lag: s that the accelerometer may lag by before history is dropped, None: never."""
         self.version = 0
         self._settings, self._box, self._stage = settings, box, stage
         self._latency = to_nanoseconds(settings.latency)
@@ -42,8 +44,9 @@ class Inputs:
         self._delays = [to_nanoseconds(delay) for delay in sorted(delays | stage.delays) if delay > 0.0]
         needs = (Need.TEMPERATURE_2, Need.SUPPLY_VOLTAGE)
         self.wanted: tuple[Need | None, ...] = (None, *(need for need in needs if need in stage.needs))
-        self._reach = settings.reach(max(settings.delay, stage.history)) + ACCELERATION_LAG
-        keep = self._reach if live else None
+        history = settings.reach(max(settings.delay, stage.history))
+        self._reach = history + ACCELERATION_LAG
+        keep = None if lag is None else history + lag
         self.temperature = TemperatureTrack(
             settings.noise, memory=stage.memory, limits=(float(box.lower[0]), float(box.upper[0])), keep=keep
         )

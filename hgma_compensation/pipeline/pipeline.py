@@ -13,8 +13,8 @@ from hgma_compensation.channels import CHANNELS, columns_of
 from hgma_compensation.effects.effect import Need, no_memory
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.stage import Consistency, KalmanStage
-from hgma_compensation.pipeline.compensated import Compensated, joined, nothing
-from hgma_compensation.pipeline.inputs import Inputs
+from hgma_compensation.pipeline.compensated import Compensated, joined, zeros
+from hgma_compensation.pipeline.inputs import ACCELERATION_LAG, Inputs
 from hgma_compensation.pipeline.slow_drift import SlowDrift
 from hgma_compensation.pipeline.slow_samples import SlowSamples
 from hgma_compensation.pipeline.stretches import Cut, Stretches
@@ -35,11 +35,16 @@ class Pipeline:
     stamps. columns_read: of CHANNELS, those that must be finite. stage: the effects, with their state. Not thread-safe.
     """
 
-    def __init__(self, calibration: Calibration, *, live: bool = False) -> None:
-        """Start without history; live: drop history that no sample can reach any more."""
+    def __init__(self, calibration: Calibration, *, live: bool = False, lag: float | None = None) -> None:
+        """Start without history.
+
+        live: drop history that no sample can reach any more. lag: the same for a recording that is read in order, s by
+        which its accelerometer may lag the slow inputs.
+        """
         self.calibration = calibration
         self.stage = calibration.stage()
-        make = partial(Inputs, calibration.features, calibration.calibrated_range, self.stage, live=live)
+        lag = ACCELERATION_LAG if live else lag
+        make = partial(Inputs, calibration.features, calibration.calibrated_range, self.stage, lag=lag)
         self._time_lines = TimeLines(make, live=live)
         self._filters = [
             None if channel.filter.noise is None else KalmanStage(channel.filter, channel.reference)
@@ -126,6 +131,10 @@ class Pipeline:
         """Take a sample of an input, None for the thermistor (ns, °C or V), and say what became of it."""
         return self._time_lines.add(need, stamp, value, self._stretches.newest)
 
+    def sets_back(self, need: Need | None, stamp: int) -> bool:
+        """Return whether a sample of an input at a stamp (ns) would move those before it to a corrected clock."""
+        return self._time_lines.sets_back(need, stamp)
+
     def comes_late(self, need: Need | None, stamp: int) -> bool:
         """Return whether an acceleration was compensated before that should have used a sample of an input, ns."""
         usable_from = stamp + to_nanoseconds(self.calibration.features.latency)
@@ -155,7 +164,7 @@ class Pipeline:
         if imu is None and (missing := self.stage.other_channels):
             raise ValueError(f"effects of the calibration need imu: they read {', '.join(missing)}")
         if not len(stamps):
-            return nothing(len(self._columns))
+            return zeros(0, len(self._columns))
         if len(stamps) <= CHUNK and self._stretches.go_on(stamps):
             self._time_lines.follow(int(stamps[0]))
             return self._compensate(stamps, values, imu)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.pipeline.inputs import Inputs
 from hgma_compensation.temperature.track import PLAUSIBLE_CELSIUS, Sample, judge
-from hgma_compensation.time_jumps import TIME_JUMP
+from hgma_compensation.time_jumps import TIME_JUMP, StepBack
 
 
 class TimeLines:
@@ -57,6 +57,11 @@ class TimeLines:
     def _has_arrived(self, stamp: int, accelerometer: int | None) -> bool:
         """Return whether the accelerometer is on the time line that begins with a stamp already."""
         return self._live and (accelerometer is None or accelerometer <= stamp + TIME_JUMP)
+
+    def sets_back(self, need: Need | None, stamp: int) -> bool:
+        """Return whether a sample of an input at a stamp (ns) would move those before it to a corrected clock."""
+        updates = self._of(need).updates(need)
+        return updates.last is not None and stamp <= updates.last and updates.step_back(stamp) is StepBack.CORRECTED
 
     def is_ahead(self, need: Need | None) -> bool:
         """Return whether an input is on a later time line than the accelerometer."""

@@ -7,9 +7,10 @@ from typing import Any
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import Reader
 
-from hgma_compensation.recording import decoder_limits
+from hgma_compensation.recording import decoder_limits, message_batches
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.bag_checks import check_chunks, check_file, storage_files
+from hgma_compensation.recording.batch import Batch
 
 decoder_limits.install()
 
@@ -53,6 +54,13 @@ class Bag:
         """Yield topic, log time in ns and serialised message of some topics, or of all for an empty list."""
         for connection, time, raw in self._reader.messages(connections):
             yield connection, time, decoder_limits.unpack_message(raw) if self._unpacks_messages else raw
+
+    def batches(self, connections: list[Connection]) -> Iterator[Batch]:
+        """Yield the messages of some topics many at a time, in the order of ``messages``.
+
+        A topic in a batch is the place of its connection in the list.
+        """
+        return message_batches.batches(self._reader.storage, connections, packed=self._unpacks_messages)
 
     def deserialize(self, raw: bytes, message_type: str) -> Any:
         """Return the message, of a type of ROS 2 Jazzy or hgma_msgs."""

@@ -1,6 +1,6 @@
 """Reads a recording out of a rosbag2 folder or file, MCAP or SQLite."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -9,15 +9,16 @@ import numpy as np
 from rosbags.interfaces import Connection
 
 from hgma_compensation import topics
-from hgma_compensation.channels import CHANNELS
+from hgma_compensation.channels import CHANNELS, GROUPS
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.messages import absent_groups, block_samples, imu_values, stamp_of, widen_block
-from hgma_compensation.progress import Advance, counted
-from hgma_compensation.recording import typestore as types
+from hgma_compensation.progress import Advance
+from hgma_compensation.recording.accelerations import BlockMessages, ImuMessages
 from hgma_compensation.recording.bag import Bag
+from hgma_compensation.recording.bag_topics import BagTopics
+from hgma_compensation.recording.batch import Batch, Indices
 from hgma_compensation.recording.growing import Growing
 from hgma_compensation.recording.recording import Recording, Series, present_channels
-from hgma_compensation.stamps import Stamps
+from hgma_compensation.recording.slow_inputs import read_slow
 
 
 @contextmanager
@@ -51,16 +52,24 @@ def read_messages(reader: Bag, path: Path, connections: list[Connection]) -> Ite
         raise RefusedError(f"bag {path} is damaged ({error}): record or copy it again") from error
 
 
-def connections_of(reader: Bag, topic: str, message_type: str, path: Path) -> list[Connection]:
-    """Return the connections of a topic; raises RefusedError where it has another type."""
-    found = [connection for connection in reader.connections if connection.topic == topic]
-    for connection in found:
-        if connection.msgtype != message_type:
-            raise RefusedError(
-                f"bag {path}: {topic} is a {connection.msgtype}, must be {message_type}: "
-                "name the right topic with --remap"
-            )
-    return found
+def bulk_messages(reader: Bag, path: Path, connections: list[Connection]) -> Iterator[Batch]:
+    """Yield the messages many at a time, as ``Bag.batches`` does; a damaged storage raises RefusedError."""
+    try:
+        yield from reader.batches(connections)
+    except Exception as error:  # whatever a parser raises on damaged bytes
+        raise RefusedError(f"bag {path} is damaged ({error}): record or copy it again") from error
+
+
+def decoder(reader: Bag, path: Path, connection: Connection) -> Callable[[bytes], Any]:
+    """Return what makes message objects of a topic's messages; a damaged one raises RefusedError."""
+
+    def decode(raw: bytes) -> Any:
+        try:
+            return reader.deserialize(raw, connection.msgtype)
+        except Exception as error:  # whatever a parser raises on damaged bytes
+            raise RefusedError(f"bag {path}: a message on {connection.topic} is damaged ({error})") from error
+
+    return decode
 
 
 def read_recording(path: Path, names: topics.TopicNames | None = None, progress: Advance | None = None) -> Recording:
@@ -69,78 +78,73 @@ def read_recording(path: Path, names: topics.TopicNames | None = None, progress:
     Accelerations come from the message topic, or from the block topic where there are no messages.
     Raises RefusedError where there is neither, or where a topic has another type.
     """
-    names = names or topics.TopicNames()
     with open_bag(path) as reader:
-        reading = _Reading(reader, Path(path), progress)
-        imu = reading.connections(names[topics.RAW], types.IMU)
-        blocks = [] if imu else reading.connections(names[topics.RAW_BLOCK], types.ACCEL_BLOCK)
-        if not imu and not blocks:
-            held = ", ".join(sorted({connection.topic for connection in reader.connections})) or "nothing"
-            raise RefusedError(
-                f"bag {path} holds no {names[topics.RAW]}, only {held}: "
-                f"name the accelerometer's topic with --remap /{topics.RAW}:=/your/topic"
-            )
-        stamps, values, present, frame, block = reading.imu(imu) if imu else reading.blocks(blocks)
-        scalars = {
-            "temperature": reading.scalars(names[topics.TEMPERATURE], types.TEMPERATURE, "temperature"),
-            "temperature_2": reading.scalars(names[topics.TEMPERATURE_2], types.TEMPERATURE, "temperature"),
-            "supply_voltage": reading.scalars(names[topics.SUPPLY_VOLTAGE], types.SUPPLY_VOLTAGE, "voltage"),
-        }
-    return Recording(Path(path).name, stamps, values, present, frame=frame, block=block, **scalars)
+        found = BagTopics(reader, Path(path), names or topics.TopicNames())
+        reading = _Reading(reader, Path(path), found)
+        for batch in bulk_messages(reader, Path(path), found.read):
+            reading.take(batch)
+            if progress is not None:
+                progress(len(batch))
+        return reading.recording()
 
 
 class _Reading:
-    """One pass over each topic of an open bag."""
+    """One pass over the topics of an open bag."""
 
-    def __init__(self, reader: Bag, path: Path, progress: Advance | None) -> None:
-        self._reader, self._path, self._progress = reader, path, progress
+    def __init__(self, reader: Bag, path: Path, found: BagTopics) -> None:
+        self._path, self._found = path, found
+        self._decoders = [decoder(reader, path, connection) for connection in found.read]
+        self._fast = [number for number, c in enumerate(found.read) if c in found.accelerometer]
+        count = sum(connection.msgcount for connection in found.accelerometer)
+        self._stamps, self._values = Growing(count, np.int64), Growing(count, np.float64, (len(CHANNELS),))
+        self._counts: list[Indices] = []
+        self._carried: set[str] = set()
+        self._frame = ""
+        self._series = []
+        for slow, connections in found.slow:
+            numbers = [number for number, c in enumerate(found.read) if c in connections]
+            count = sum(connection.msgcount for connection in connections)
+            self._series.append((slow, numbers, Growing(count, np.int64), Growing(count, np.float64)))
 
-    def connections(self, topic: str, message_type: str) -> list[Connection]:
-        found = connections_of(self._reader, topic, message_type, self._path)
-        return found if any(connection.msgcount for connection in found) else []
+    def take(self, batch: Batch) -> None:
+        rows = np.flatnonzero(np.isin(batch.topics, self._fast))
+        if len(rows):
+            self._take_accelerations(batch.select(rows), self._decoders[int(batch.topics[rows[0]])])
+        for slow, numbers, stamps, values in self._series:
+            rows = np.flatnonzero(np.isin(batch.topics, numbers))
+            if len(rows):
+                series = read_slow(batch.select(rows), slow, self._decoders[numbers[0]])
+                stamps.extend(series.stamps)
+                values.extend(series.values)
 
-    def _messages(self, connections: list[Connection]) -> Iterator[Any]:
-        for connection, _, raw in counted(read_messages(self._reader, self._path, connections), self._progress):
-            try:
-                yield self._reader.deserialize(raw, connection.msgtype)
-            except Exception as error:  # whatever a parser raises on damaged bytes
-                raise RefusedError(f"bag {self._path}: a message on {connection.topic} is damaged ({error})") from error
+    def _take_accelerations(self, batch: Batch, decode: Callable[[bytes], Any]) -> None:
+        messages: ImuMessages | BlockMessages
+        if self._found.blocks:
+            messages = BlockMessages(batch, decode, f"bag {self._path}")
+            self._counts.append(messages.counts)
+        else:
+            messages = ImuMessages(batch, decode)
+        self._stamps.extend(messages.stamps)
+        self._values.extend(messages.values)
+        self._carried |= messages.carried
+        ((_, self._frame),) = messages.frames(np.array([len(batch) - 1]))
 
-    def imu(self, connections: list[Connection]) -> tuple[Any, ...]:
-        count, frame = sum(connection.msgcount for connection in connections), ""
-        stamps, values = Growing(count, np.int64), Growing(count, np.float64, (len(CHANNELS),))
-        absent: set[str] | None = None
-        for message in self._messages(connections):
-            stamps.append(stamp_of(message))
-            values.append(imu_values(message))
-            absent = absent_groups(message) if absent is None else absent & absent_groups(message)
-            frame = message.header.frame_id
-        self._require(stamps.array(), connections)
-        return stamps.array(), values.array(), present_channels(values.array(), absent or set()), frame, None
-
-    def _require(self, stamps: Stamps, connections: list[Connection]) -> None:
+    def recording(self) -> Recording:
+        stamps, values = self._stamps.array(), self._values.array()
         if not len(stamps):
-            raise RefusedError(
-                f"bag {self._path} holds no sample on {connections[0].topic}, though it declares messages: "
-                "it is damaged, record or copy it again"
-            )
+            raise no_samples(self._path, self._found)
+        series = {slow.series: Series(s.array(), v.array()) for slow, _, s, v in self._series}
+        present = present_channels(values, set(GROUPS) - self._carried)
+        block = None
+        if self._found.blocks:
+            counts = np.concatenate(self._counts)
+            block = np.repeat(np.arange(len(counts)), counts)
+        return Recording(self._path.name, stamps, values, present, frame=self._frame, block=block, **series)
 
-    def blocks(self, connections: list[Connection]) -> tuple[Any, ...]:
-        parts, frame = [], ""
-        for message in self._messages(connections):
-            parts.append(block_samples(message, f"bag {self._path}"))
-            frame = message.header.frame_id
-        stamps = np.concatenate([part[0] for part in parts] or [np.empty(0, dtype=np.int64)])
-        self._require(stamps, connections)
-        values = widen_block(np.concatenate([part[1] for part in parts]))
-        block = np.repeat(np.arange(len(parts)), [len(part[0]) for part in parts])
-        return stamps, values, present_channels(values, {"angular_velocity"}), frame, block
 
-    def scalars(self, topic: str, message_type: str, attribute: str) -> Series:
-        connections = self.connections(topic, message_type)
-        count = sum(connection.msgcount for connection in connections)
-        stamps, values = Growing(count, np.int64), Growing(count, np.float64)
-        for message in self._messages(connections) if connections else ():
-            stamps.append(stamp_of(message))
-            values.append(getattr(message, attribute))
-        return Series(stamps.array(), values.array())
+def no_samples(path: Path, found: BagTopics) -> RefusedError:
+    """Return the refusal of a bag whose accelerometer has no message though some are declared."""
+    return RefusedError(
+        f"bag {path} holds no sample on {found.accelerometer[0].topic}, though it declares messages: "
+        "it is damaged, record or copy it again"
+    )

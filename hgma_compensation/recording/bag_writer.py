@@ -1,19 +1,21 @@
 """Writes rosbag2 folders; each appears whole or not at all."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from enum import Enum
 from pathlib import Path
 from typing import Any
 
 from rosbags.interfaces import Connection
-from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import new_directory
 from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.bag_events import merged
+from hgma_compensation.recording.batch import Batch
+from hgma_compensation.recording.bulk_writer import BulkWriter
 from hgma_compensation.recording.ground_truth import GroundTruth
 from hgma_compensation.recording.recording import Recording
 from hgma_compensation.stamps import NANOSECONDS
@@ -29,7 +31,7 @@ class Storage(str, Enum):
 class BagWriter:
     """An open bag; messages are serialised with the types of ROS 2 Jazzy and hgma_msgs."""
 
-    def __init__(self, writer: Writer) -> None:
+    def __init__(self, writer: BulkWriter) -> None:
         """Wrap a writer that is open."""
         self._writer = writer
         self.typestore = types.typestore()
@@ -63,6 +65,10 @@ class BagWriter:
         """Write a serialised message at a log time in ns."""
         self._writer.write(connection, time, raw)
 
+    def write_batch(self, connections: Sequence[Connection], batch: Batch) -> None:
+        """Write many messages; the topic of each in the batch is the place of its connection in ``connections``."""
+        self._writer.write_batch(connections, batch)
+
     def note(self, key: str, text: str) -> None:
         """Put a text into the custom data of the bag's metadata.yaml."""
         self._writer.set_custom_data(key, text)
@@ -77,7 +83,7 @@ class BagWriter:
 def new_bag(path: Path, storage: Storage = Storage.MCAP) -> Iterator[BagWriter]:
     """Give a writer of a new bag; raises RefusedError where the path exists or cannot be written."""
     with new_directory(path) as scratch:
-        writer = Writer(scratch, version=9, storage_plugin=StoragePlugin[storage.name])
+        writer = BulkWriter(scratch, version=9, storage_plugin=StoragePlugin[storage.name])
         if storage is Storage.MCAP:
             writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         with writer:

@@ -10,7 +10,7 @@ FIRST = 1 << 20
 
 
 class Growing:
-    """An array (n, ...) that is filled row by row; growing moves pages of memory and copies nothing where it is large.
+    """An array (n, ...) that is filled from its beginning; growing moves pages of memory, copying none.
 
     declared: rows that are expected. shape: of one row.
     """
@@ -21,16 +21,18 @@ class Growing:
         self._array = np.empty((min(max(declared, 1), FIRST), *shape), dtype=dtype)
         self._rows = 0
 
-    def append(self, row: Any) -> None:
-        """Add a row."""
-        if self._rows == len(self._array):
-            length = 2 * len(self._array)
-            if len(self._array) < self._declared:
-                length = min(length, self._declared)
+    def extend(self, rows: NDArray[Any]) -> None:
+        """Add rows (k, ...)."""
+        end = self._rows + len(rows)
+        length = len(self._array)
+        while length < end:
+            doubled = 2 * length
+            length = min(doubled, self._declared) if length < self._declared else doubled
+        if length > len(self._array):
             # Nobody else has seen the array yet, so that it may move.
             self._array.resize((length, *self._array.shape[1:]), refcheck=False)
-        self._array[self._rows] = row
-        self._rows += 1
+        self._array[self._rows : end] = rows
+        self._rows = end
 
     def array(self) -> NDArray[Any]:
         """Return the rows; nothing may be added afterwards."""

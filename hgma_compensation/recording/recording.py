@@ -86,10 +86,19 @@ class Recording:
     def require_temperature(self) -> None:
         """Raise RefusedError where there is no thermistor in the recording."""
         if not len(self.temperature.stamps):
-            raise RefusedError(
-                f"{self.name} holds no thermistor sample: record /accel/temperature beside the accelerometer, "
-                "or name the topic with --remap /accel/temperature:=/your/topic"
-            )
+            raise no_thermistor(self.name)
+
+    def has(self, name: str) -> bool:
+        """Return whether there is a finite sample of a slow input, named as its field is."""
+        return bool(np.isfinite(getattr(self, name).values).any())
+
+
+def no_thermistor(name: str) -> RefusedError:
+    """Return the refusal of a recording without a thermistor."""
+    return RefusedError(
+        f"{name} holds no thermistor sample: record /accel/temperature beside the accelerometer, "
+        "or name the topic with --remap /accel/temperature:=/your/topic"
+    )
 
 
 def present_channels(values: NDArray[np.float64], absent_groups: set[str]) -> tuple[str, ...]:

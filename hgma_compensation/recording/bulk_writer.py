@@ -1,0 +1,106 @@
+"""A ``rosbags`` writer that takes messages many at a time, and writes them while more are made."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections import deque
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rosbags.interfaces import Connection
+from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
+
+from hgma_compensation.recording.batch import Batch, Indices
+from hgma_compensation.recording.mcap_bulk_writer import BulkMcapWriter
+
+MOST_WAITING = 4
+"""Batches that wait to be written: the memory of so many is held."""
+
+ROWS = 300
+"""Of a database, inserted by one statement: each takes three of the at least 999 parameters that there can be."""
+
+_INSERT = "INSERT INTO messages (topic_id, timestamp, data) VALUES"
+
+
+class BulkSqlite3Writer(Sqlite3Writer):
+    """Adds ``write_batch``."""
+
+    def __init__(self, path: Path, compression: CompressionMode) -> None:
+        """Create the database."""
+        super().__init__(path, compression)
+        self.conn.close()
+        # Used by two threads, never by both at once.
+        self.conn = sqlite3.connect(f"file:{self.path}", uri=True, check_same_thread=False)
+        self.cursor = self.conn.cursor()
+
+    def write_batch(self, channels: Indices, batch: Batch) -> None:
+        """Write messages, of the connections whose ids are ``channels`` (n,)."""
+        ids, times, raws = channels.tolist(), batch.times.tolist(), batch.raws()
+        for start in range(0, len(raws), ROWS):
+            rows = slice(start, start + ROWS)
+            values = zip(ids[rows], times[rows], raws[rows], strict=True)
+            # A statement of many rows lets the other threads run meanwhile, one row does not.
+            places = ",".join(["(?,?,?)"] * len(raws[rows]))
+            self.cursor.execute(_INSERT + places, tuple(chain.from_iterable(values)))
+
+
+class BulkWriter(Writer):
+    """Adds ``write_batch``, which returns before its messages are written: a thread does that, in their order.
+
+    Messages that are compressed one by one are not among what it can write.
+    """
+
+    STORAGE_PLUGINS = {StoragePlugin.SQLITE3: BulkSqlite3Writer, StoragePlugin.MCAP: BulkMcapWriter}  # noqa: RUF012
+
+    def __init__(self, path: Path, **options: Any) -> None:
+        """Take what the library's writer takes."""
+        super().__init__(path, **options)
+        self._thread = ThreadPoolExecutor(1)
+        self._waiting: deque[Future[None]] = deque()
+
+    def write_batch(self, connections: Sequence[Connection], batch: Batch) -> None:
+        """Write messages, whose memory must not change; each one's topic is the place of its connection in the list.
+
+        Raises what writing an earlier batch raised.
+        """
+        if not len(batch):
+            return
+        for number, count in zip(*np.unique(batch.topics, return_counts=True), strict=True):
+            self.counts[connections[number].id] += int(count)
+        self.min_timestamp = min(int(batch.times.min()), self.min_timestamp)
+        self.max_timestamp = max(int(batch.times.max()), self.max_timestamp)
+        assert isinstance(self.storage, (BulkSqlite3Writer, BulkMcapWriter))
+        ids = np.array([connection.id for connection in connections], dtype=np.int64)
+        self._wait(MOST_WAITING)
+        self._waiting.append(self._thread.submit(self.storage.write_batch, ids[batch.topics], batch))
+
+    def _wait(self, left: int) -> None:
+        """Wait until so many batches are left to write at the most."""
+        while len(self._waiting) > left:
+            self._waiting.popleft().result()
+
+    def add_connection(self, *arguments: Any, **options: Any) -> Connection:
+        """Add a topic."""
+        self._wait(0)
+        return super().add_connection(*arguments, **options)
+
+    def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
+        """Write one message at a log time in ns."""
+        self._wait(0)
+        super().write(connection, timestamp, data)
+
+    def close(self) -> None:
+        """Write what is left."""
+        self._wait(0)
+        self._thread.shutdown()
+        super().close()
+
+    def abort(self) -> None:
+        """Close without writing what is left."""
+        self._thread.shutdown(cancel_futures=True)
+        super().abort()

@@ -1,0 +1,151 @@
+"""Runs the pipeline over a bag from beginning to end, in memory that does not depend on its length."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from rosbags.interfaces import Connection
+
+from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.channels import CHANNELS, columns_of, group_of
+from hgma_compensation.effects.effect import Need
+from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.pipeline import Pipeline
+from hgma_compensation.pipeline.screening import usable_samples
+from hgma_compensation.recording.accelerations import BlockMessages, ImuMessages
+from hgma_compensation.recording.bag import Bag
+from hgma_compensation.recording.bag_reader import bulk_messages, decoder, no_samples
+from hgma_compensation.recording.bag_topics import BagTopics
+from hgma_compensation.recording.batch import Batch, Indices
+from hgma_compensation.recording.compensated_bag import check_covered
+from hgma_compensation.recording.look_ahead import Held, Slow, behind, parts
+from hgma_compensation.recording.recording import no_thermistor
+from hgma_compensation.recording.slow_inputs import read_slow
+from hgma_compensation.stamps import Stamps
+
+LAG = 3600.0
+"""s by which the stamps of the accelerometer may lag those of the slow inputs that were read before it."""
+
+
+@dataclass(frozen=True)
+class Compensation:
+    """What the pipeline made of accelerometer messages.
+
+    messages: k of them. times: (k,) their log times, ns. usable: (m,) which of them were compensated, as one that is
+    not finite costs its whole message. samples: (n,) of the usable messages. result: of these samples.
+    """
+
+    messages: ImuMessages | BlockMessages
+    times: Stamps
+    usable: Indices
+    samples: Indices
+    result: Compensated
+
+
+class OfflineRun:
+    """One calibration over one open bag; what was seen of the bag is told by the attributes that a Recording has too.
+
+    samples: of the accelerometer so far.
+    """
+
+    def __init__(
+        self, bag: Bag, path: Path, found: BagTopics, calibration: Calibration, connections: list[Connection]
+    ) -> None:
+        """Take the topics to read: those of ``found`` and any others."""
+        self.name = path.name
+        self._bag, self._path, self._found, self._calibration = bag, path, found, calibration
+        self._connections = connections
+        numbers = {connection.id: number for number, connection in enumerate(connections)}
+        self._fast = np.array([numbers[c.id] for c in found.accelerometer], dtype=np.int64)
+        self._slow = [(slow, np.array([numbers[c.id] for c in own], dtype=np.int64)) for slow, own in found.slow if own]
+        self._pipeline = Pipeline(calibration, lag=LAG)
+        self._columns, self._columns_read = columns_of(calibration.names), columns_of(calibration.channels_read)
+        self.samples = 0
+        self._decoders = [decoder(bag, path, connection) for connection in connections]
+        self._has: set[str] = set()
+        self._thermistor = False
+        self._not_zero = np.zeros(len(CHANNELS), dtype=np.bool_)
+        self._carried: set[str] = set()
+
+    def windows(self) -> Iterator[tuple[Batch, Compensation | None]]:
+        """Yield all messages, and what became of those of the accelerometer among them.
+
+        Raises RefusedError where the bag lacks what the calibration needs, some of which shows at its end only.
+        """
+        if not any(slow.need is None for slow, _ in self._slow):
+            raise no_thermistor(self.name)
+        for batch in behind(self._parts(), self):
+            yield batch, self._compensated(batch)
+        if not self.samples:
+            raise no_samples(self._path, self._found)
+        check_covered(self, self._calibration)
+
+    @property
+    def present(self) -> tuple[str, ...]:
+        """The channels that carry something, as far as the bag was read."""
+        return tuple(c for n, c in enumerate(CHANNELS) if self._not_zero[n] and group_of(c) in self._carried)
+
+    def require_temperature(self) -> None:
+        """Raise RefusedError where there was no thermistor sample."""
+        if not self._thermistor:
+            raise no_thermistor(self.name)
+
+    def has(self, name: str) -> bool:
+        """Return whether there was a finite sample of a slow input, named as the field of Recording."""
+        return name in self._has
+
+    def _parts(self) -> Iterator[Held]:
+        last: dict[Need | None, int] = {}
+        for batch in bulk_messages(self._bag, self._path, self._connections):
+            slow = []
+            for one, numbers in self._slow:
+                rows = np.flatnonzero(np.isin(batch.topics, numbers))
+                if len(rows):
+                    series = read_slow(batch.select(rows), one, self._decoders[int(batch.topics[rows[0]])])
+                    slow.append(Slow(one.need, series, rows))
+            yield from parts(batch, slow, last)
+
+    def sets_back(self, part: Held) -> bool:
+        """Return whether the first of the slow samples of a part moves those before it to a corrected clock."""
+        return any(self._pipeline.sets_back(slow.need, int(slow.series.stamps[0])) for slow in part.slow)
+
+    def take(self, part: Held) -> None:
+        """Take the slow samples of a part."""
+        for slow in part.slow:
+            for stamp, value in zip(slow.series.stamps.tolist(), slow.series.values.tolist(), strict=True):
+                self._pipeline.add(slow.need, stamp, value)
+            self._thermistor = self._thermistor or slow.need is None
+            if slow.need is not None and np.isfinite(slow.series.values).any():
+                self._has.add(slow.need.value)
+
+    def _compensated(self, batch: Batch) -> Compensation | None:
+        rows = np.flatnonzero(np.isin(batch.topics, self._fast))
+        if not len(rows):
+            return None
+        own, decode = batch.select(rows), self._decoders[int(batch.topics[rows[0]])]
+        source = f"bag {self._path}"
+        messages = BlockMessages(own, decode, source) if self._found.blocks else ImuMessages(own, decode)
+        values = messages.values
+        self.samples += len(values)
+        self._carried |= messages.carried
+        self._not_zero |= (values != 0.0).any(axis=0)
+        usable, samples = _usable(messages, usable_samples(messages.stamps, values[:, self._columns_read]))
+        if len(samples) < len(values):
+            values = values[samples]
+        result = self._pipeline.compensate(messages.stamps[samples], values[:, self._columns], values)
+        return Compensation(messages, own.times, usable, samples, result)
+
+
+def _usable(messages: ImuMessages | BlockMessages, usable: NDArray[np.bool_]) -> tuple[Indices, Indices]:
+    """Return the messages all of whose samples are usable, and that have any, and the samples of these."""
+    if isinstance(messages, ImuMessages):
+        rows = np.flatnonzero(usable)
+        return rows, rows
+    message = np.repeat(np.arange(len(messages.counts)), messages.counts)
+    good = messages.counts > 0
+    good[message[~usable]] = False
+    return np.flatnonzero(good), np.flatnonzero(good[message])
