@@ -8,8 +8,10 @@ from rclpy.lifecycle import LifecyclePublisher
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
 
+from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.cdr.imu import ImuBatch, batches
 from hgma_compensation.cdr.rows import unstacked
+from hgma_compensation.cdr.single_imu import SingleImuReader
 from hgma_compensation.channels import GROUPS, group_of
 from hgma_compensation.messages import absent_groups, imu_values, patch_covariances, patch_imu, stamp_of
 from hgma_compensation.node.admission import Admission
@@ -28,9 +30,15 @@ class ImuStream:
     ) -> None:
         """Compensate with ``live``, publish here."""
         self._live, self._admission, self._publisher, self._states = live, admission, publisher, states
+        self._reader = SingleImuReader()
+        self._calibration: Calibration | None = None
+        self._names: tuple[str, ...] = ()
+        self._groups: tuple[str, ...] = ()
 
     def take(self, raws: Sequence[bytes]) -> int | None:
         """Compensate serialised messages; return the stamp (ns) of the last one, None where it cannot be read."""
+        if len(raws) == 1:
+            return self._take_single(raws[0])
         newest: int | None = None
         for rows, batch in batches(raws):
             if batch is None:
@@ -40,6 +48,38 @@ class ImuStream:
                 newest = int(batch.stamps[-1])
         return newest
 
+    def _take_single(self, raw: bytes) -> int | None:
+        """Compensate one message, with the results of ``_take_message``; return its stamp as ``take`` does."""
+        message = self._reader.read(raw)
+        if message is None:
+            return self._take_message(raw)
+        reason = self._admission.reason_to_skip(message.frame)
+        names, groups = self._covered()
+        if reason is None and any(message.absent(group) for group in groups):
+            reason = Skip.ABSENT
+        if reason is not None:
+            self._live.skip_unseen(reason, 1)
+            return message.stamp
+        answer = self._live.compensate_each(*single_sample(message.stamp, message.values))
+        if answer is not None:
+            result, compensated = answer[0], answer[0].compensated
+            if not all(message.covariance_valid(group) for group in groups):
+                self._live.note(Note.COVARIANCE_INVALID)
+            added = compensated.added_variance(0)
+            variances = None if added is None else added.tolist()
+            publish_all(self._publisher, [message.patched(names, compensated.values[0].tolist(), variances)])
+            self._states.tell_last(message.stamp, result, lambda _: header_of(raw, message.frame))
+        return message.stamp
+
+    def _covered(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Return the channels of the calibration in use and the fields they belong to; none without one."""
+        calibration = self._live.calibration
+        if calibration is not self._calibration:
+            names = calibration.names if calibration is not None else ()
+            self._calibration, self._names = calibration, tuple(names)
+            self._groups = tuple(group for group in GROUPS if any(group_of(name) == group for name in names))
+        return self._names, self._groups
+
     def _take_batch(self, raws: Sequence[bytes], batch: ImuBatch) -> None:
         """Compensate messages of one layout, with the results of ``_take_message`` for one after the other."""
         reason = self._admission.reason_to_skip(batch.frame)
@@ -48,14 +88,16 @@ class ImuStream:
         kept = self._present(batch)
         stamps, values = batch.stamps, batch.values
         if kept is not None:
+            if not len(kept):
+                return
             stamps, values = stamps[kept], values[kept]
         answer = self._live.compensate_each(stamps, values)
         if answer is None:
             return
         result, rows = answer
         places = rows if kept is None else kept[rows]
-        names, compensated = result.calibration.names, result.compensated
-        valid = batch.covariances_valid({group_of(name) for name in names})[places]
+        (names, groups), compensated = self._covered(), result.compensated
+        valid = batch.covariances_valid(groups)[places]
         if not valid.all():
             self._live.counts[Note.COVARIANCE_INVALID.value] += int(np.count_nonzero(~valid))
         patched = batch.patched(places, names, compensated.values, added_variances(compensated))
@@ -64,7 +106,7 @@ class ImuStream:
 
     def _present(self, batch: ImuBatch) -> NDArray[np.int64] | None:
         """Return the rows that carry the calibrated fields, None for all of them; the others are counted."""
-        absent = [batch.absent(group) for group in GROUPS if self._live.covers({group})]
+        absent = [batch.absent(group) for group in self._covered()[1]]
         if not any(rows.any() for rows in absent):
             return None
         without = np.logical_or.reduce(absent)
@@ -103,4 +145,6 @@ def added_variances(result: Compensated) -> NDArray[np.float64] | None:
     if result.ordinary:
         return None
     unsure = result.status > 0
+    if not unsure.any():
+        return None
     return np.where(unsure[:, None], result.uncertainty**2, np.nan)

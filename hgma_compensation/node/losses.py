@@ -6,7 +6,6 @@ from typing import TypedDict
 
 from rclpy.subscription import Subscription
 
-from hgma_compensation.node.interfaces import take_waiting
 from hgma_compensation.pipeline.transport import lost_name
 
 
@@ -55,10 +54,13 @@ class CountedInput:
 
     def take(self, most: int) -> list[bytes]:
         """Return up to ``most`` messages that wait, oldest first."""
-        taken = list(take_waiting(self._subscription, most))
-        for _, info in taken:
-            self._saw(info)
-        return [raw for raw, _ in taken]
+        # Only the caller's thread destroys the subscription, so that its handle need not be held for each message.
+        subscription, raws = self._subscription, list[bytes]()
+        take = subscription.handle.take_message
+        while len(raws) < most and (taken := take(subscription.msg_type, True)) is not None:
+            raws.append(taken[0])
+            self._saw(taken[1])
+        return raws
 
     def _saw(self, info: MessageInfo) -> None:
         """Note the number of a message."""

@@ -9,6 +9,7 @@ from hgma_compensation.kalman.random_walk import RandomWalkNoise
 from hgma_compensation.kalman.settings import FilterMode, FilterSettings
 from hgma_compensation.stamps import NANOSECONDS, Stamps
 from hgma_compensation.training.blocks import noise_of_means
+from hgma_compensation.training.source import Source
 
 LEAST_REDUCTION = 1.1
 """Noise reduction below which a filter costs lag and gives nothing."""
@@ -16,6 +17,31 @@ LEAST_REDUCTION = 1.1
 
 TIME_CONSTANTS = {FilterMode.SMOOTH: 1.0, FilterMode.BIAS: 300.0}
 """s, unless the user gives one: a bias wanders slowly, and must not follow a manoeuvre."""
+
+
+MOST_SAMPLES = 1 << 20
+"""Samples that the noise is told from; of a longer recording STRETCHES of them, evenly spread."""
+
+STRETCHES = 64
+
+
+def spread_samples(recording: Source) -> tuple[Stamps, NDArray[np.float64]]:
+    """Return stamps (n,) and values (n, 6) of a recording's samples, of a long one those of evenly spread stretches.
+
+    Where one stretch ends and the next begins, two differences are no noise: medians are deaf to so few.
+    """
+    if recording.samples <= MOST_SAMPLES:
+        parts = list(recording.windows())
+        if len(parts) == 1:
+            return parts[0]
+    else:
+        parts, done = [], 0
+        period, length = recording.samples // STRETCHES, MOST_SAMPLES // STRETCHES
+        for stamps, values in recording.windows():
+            rows = np.flatnonzero((done + np.arange(len(stamps))) % period < length)
+            parts.append((stamps[rows], values[rows]))
+            done += len(stamps)
+    return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
 
 
 def design_filter(
