@@ -31,7 +31,7 @@ def clock(kind: str, count: int, random: np.random.Generator) -> NDArray[np.int6
     if kind == "rounded":
         return EPOCH + np.rint(np.arange(count) * 1e9 / 3000.0).astype(np.int64)
     if kind == "jittered":
-        steps += random.integers(-30_000, 30_000, count)
+        steps += 3 * random.integers(-10_000, 10_000, count)  # none that differ by the rounding that is held over
     elif kind in ("late", "late by 1 ns"):
         least = -1 if kind == "late by 1 ns" else -2
         steps = random.choice([333_300, 0, least, -1_000_000, 666_600], count, p=[0.97, 0.01, 0.005, 0.005, 0.01])

@@ -86,6 +86,27 @@ def test_a_stream_through_the_plain_relay_is_accounted_for(environment, monkeypa
     assert min(times) > 0.0
 
 
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ("above", "limit"),
+    [
+        ([], False),
+        ([(1100.0, False), (1100.0, False), (1500.0, True)], True),
+        ([(1100.0, False), (1100.0, True)], False),
+        ([(1100.0, True), (1100.0, True), (1500.0, False)], False),
+    ],
+)
+def test_the_source_is_the_limit_where_it_always_fell_behind_at_the_next_rate(above, limit):
+    from benchmarks.bench.messages import source_was_the_limit
+    from benchmarks.bench.trials import Trial
+
+    def trial(rate, kept):
+        return Trial(rate, sent=10, lost=0, changed=0, cpu=1.0, source_kept=kept, source_late_99=0.0, behind=0.0)
+
+    trials = [trial(900.0, False), trial(1000.0, True), *(trial(*case) for case in above)]
+    assert source_was_the_limit(trials, 1000.0) is limit
+
+
 def test_what_comes_back_is_counted_by_its_numbers():
     pytest.importorskip("rclpy")
     from benchmarks.bench.imu_stream import ImuStream

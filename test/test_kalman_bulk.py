@@ -283,3 +283,17 @@ def test_a_pause_within_many_samples_is_one():
     dt, averaged = steps.each(200)
     assert dt[100] == pytest.approx(0.051)
     assert averaged[100] == pytest.approx(PAUSE * 0.001)
+
+
+def test_a_process_with_a_stream_to_serve_does_not_wait_for_the_loading_of_the_fast_filter():
+    script = """
+import sys, threading
+from hgma_compensation.kalman.low_pass import LFILTER
+LFILTER.wait = False
+assert LFILTER.get() is None
+assert "loading" in [thread.name for thread in threading.enumerate()]
+[thread.join() for thread in threading.enumerate() if thread.name == "loading"]
+assert LFILTER.get() is not None
+assert "scipy.signal" in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", script], check=True)

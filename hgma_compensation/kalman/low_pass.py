@@ -3,6 +3,7 @@
 With k in floating point, 1 - k is exact: a level that is reached stays, whatever k.
 """
 
+import threading
 from collections.abc import Callable, Iterable
 from functools import cache
 from itertools import repeat
@@ -29,7 +30,7 @@ def low_pass(level: float, keep: float | Array, values: Array) -> Array:
     """
     levels = np.empty(len(values) + 1)
     levels[0] = level
-    if isinstance(keep, float) and len(values) >= FEWEST and (lfilter := load_lfilter()) is not None:
+    if isinstance(keep, float) and len(values) >= FEWEST and (lfilter := LFILTER.get()) is not None:
         levels[1:] = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * level])[0]
     else:
         keeps = repeat(keep, len(values)) if isinstance(keep, float) else keep.tolist()
@@ -51,7 +52,7 @@ def load_lfilter() -> Callable[..., Any] | None:
 
     Its direct form II transposed is y = s + (1 - k) z, s = k y, in this order. A compiler that rounds a product and a
     sum only once (FMA, the default on some processors) gives other bits: such a machine goes without it. Loading takes
-    a third of a second once; a caller that cannot wait in its stream calls this before.
+    a third of a second once.
     """
     from scipy.signal import lfilter
 
@@ -60,3 +61,23 @@ def load_lfilter() -> Callable[..., Any] | None:
     found = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * 0.3])[0]
     same = bool(np.asarray(found).tobytes() == np.array(expected).tobytes())
     return lfilter if same else None
+
+
+class _Lfilter:
+    """Gives lfilter where it is wanted; wait: whether for its loading, as a process with a stream to serve must not."""
+
+    def __init__(self) -> None:
+        self.wait = True
+        self._loading: threading.Thread | None = None
+
+    def get(self) -> Callable[..., Any] | None:
+        """Return it, or None: where there is none that gives the bits of the steps, and while it is being loaded."""
+        if not self.wait and self._loading is None:
+            self._loading = threading.Thread(target=load_lfilter, name="loading")
+            self._loading.start()
+        if self._loading is not None and self._loading.is_alive():
+            return None
+        return load_lfilter()
+
+
+LFILTER = _Lfilter()

@@ -15,6 +15,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.kalman.low_pass import LFILTER
 
 if TYPE_CHECKING:  # else imported while DDS looks for its peers
     from hgma_compensation.node.compensation_node import CompensationNode
@@ -122,7 +123,8 @@ def _spin(node: "CompensationNode", executor: "WaitingExecutor", stop: threading
 
 
 def share_interpreter() -> None:
-    """Let no other thread, and no search for garbage among all that was imported, hold up the stream for long."""
+    """Let nothing else hold up the stream for long: no thread, no import, no search for garbage among the imports."""
+    LFILTER.wait = False
     sys.setswitchinterval(GIVE_WAY)
     gc.freeze()
     gc.enable()

@@ -4,6 +4,8 @@ A state costs more than the sample it describes. Which ones there are is decided
 the node and the offline commands choose the same ones.
 """
 
+from bisect import bisect_left
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,20 +51,27 @@ class StateRate:
             return chosen
         rows: list[int] = []
         row = 0
-        changes = np.flatnonzero((status[1:] != status[:-1]) | (inside[1:] != inside[:-1])) + 1
-        while row < len(stamps):
-            if self.wants(int(stamps[row]), int(status[row]), bool(inside[row])):
+        changes = (np.flatnonzero((status[1:] != status[:-1]) | (inside[1:] != inside[:-1])) + 1).tolist()
+        rising = bool(
+            (stamps[1:] >= stamps[:-1]).all() and (self._chosen is None or (stamps[:1] >= self._chosen).all())
+        )
+        times = stamps.tolist()
+        while row < len(times):
+            if self.wants(times[row], int(status[row]), bool(inside[row])):
                 rows.append(row)
-            row = self._next(stamps, row + 1, changes)
+            place = bisect_left(changes, row + 1)
+            end = changes[place] if place < len(changes) else len(times)
+            assert self._chosen is not None
+            # In stamps that rise the next one is found by halving; where the clock steps back each is looked at.
+            due = self._chosen + self._period
+            row = bisect_left(times, due, row + 1, end) if rising else self._next(stamps, row + 1, end)
         if len(stamps):
             self._before = (int(status[-1]), bool(inside[-1]))
         return np.array(rows, dtype=np.int64)
 
-    def _next(self, stamps: Stamps, row: int, changes: NDArray[np.int64]) -> int:
-        """Return the first row from ``row`` on that is chosen, n where there is none."""
+    def _next(self, stamps: Stamps, row: int, end: int) -> int:
+        """Return the first row from ``row`` to before ``end`` that is due, ``end`` where there is none."""
         assert self._chosen is not None
-        place = int(changes.searchsorted(row))
-        end = int(changes[place]) if place < len(changes) else len(stamps)
         step = 256
         while row < end:
             due = np.abs(stamps[row : min(row + step, end)] - self._chosen) >= self._period

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from hgma_compensation.cdr.rows import unstacked
 from hgma_compensation.stamps import Stamps
 
 Indices = NDArray[np.int64]
@@ -19,7 +20,7 @@ class Batch:
     """Messages in the order in which a bag hands them out.
 
     topics: (n,) which of the connections asked for each is of. times: (n,) log times, ns. memory: (m,) the bytes that
-    they lie in. starts, sizes: (n,) place of each in the memory.
+    they lie in. starts, sizes: (n,) place of each in the memory. apart: the same messages where they lay apart before.
     """
 
     topics: Indices
@@ -27,14 +28,15 @@ class Batch:
     memory: NDArray[np.uint8]
     starts: Indices
     sizes: Indices
+    apart: list[bytes] | None = None
 
     @classmethod
-    def of_messages(cls, topics: Sequence[int], times: Sequence[int], raws: Sequence[bytes]) -> Batch:
+    def of_messages(cls, topics: Sequence[int], times: Sequence[int], raws: list[bytes]) -> Batch:
         """Return messages that lie apart as a batch."""
         sizes = np.fromiter(map(len, raws), dtype=np.int64, count=len(raws))
         memory = np.frombuffer(b"".join(raws), dtype=np.uint8)
         starts = np.cumsum(sizes) - sizes
-        return cls(np.array(topics, dtype=np.int64), np.array(times, dtype=np.int64), memory, starts, sizes)
+        return cls(np.array(topics, dtype=np.int64), np.array(times, dtype=np.int64), memory, starts, sizes, raws)
 
     def __len__(self) -> int:
         """Return n."""
@@ -42,7 +44,10 @@ class Batch:
 
     def select(self, rows: Indices | slice) -> Batch:
         """Return some of the messages, on the same memory."""
-        return Batch(self.topics[rows], self.times[rows], self.memory, self.starts[rows], self.sizes[rows])
+        apart = self.apart
+        if apart is not None:
+            apart = apart[rows] if isinstance(rows, slice) else [apart[row] for row in rows.tolist()]
+        return Batch(self.topics[rows], self.times[rows], self.memory, self.starts[rows], self.sizes[rows], apart)
 
     def compact(self) -> Batch:
         """Return the messages on memory that holds little else, so that what they were read from can go."""
@@ -55,6 +60,12 @@ class Batch:
 
     def raws(self) -> list[bytes]:
         """Return the messages one by one."""
+        if self.apart is not None:
+            return self.apart
+        size = int(self.sizes[0]) if len(self) else 0
+        if size and (self.sizes == size).all() and (np.diff(self.starts) == size).all():
+            first = int(self.starts[0])
+            return unstacked(self.memory[first : first + len(self) * size].reshape(len(self), size))
         memory = self.memory.data
         return [bytes(memory[a : a + n]) for a, n in zip(self.starts.tolist(), self.sizes.tolist(), strict=True)]
 

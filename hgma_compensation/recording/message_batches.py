@@ -30,9 +30,7 @@ def batches(storage: Any, connections: list[Connection], *, packed: bool) -> Ite
             yield from gathered(mcap_batches(part, topics), BATCH // 4)
         else:
             chosen = [connection for connection in part.connections if connection.id in topics]
-            yield from _of_single(
-                ((topics[connection.id], time, raw) for connection, time, raw in part.messages(chosen)), packed=packed
-            )
+            yield from _of_single(part.messages(chosen), topics, packed=packed)
 
 
 def _topics(part: Any, connections: list[Connection]) -> dict[int, int]:
@@ -59,19 +57,21 @@ def _is_same(own: Connection, wanted: Connection) -> bool:
     )
 
 
-def _of_single(messages: Iterable[tuple[int, int, bytes]], *, packed: bool) -> Iterator[Batch]:
-    topics: list[int] = []
+def _of_single(
+    messages: Iterable[tuple[Connection, int, bytes]], topics: dict[int, int], *, packed: bool
+) -> Iterator[Batch]:
+    numbers: list[int] = []
     times: list[int] = []
     raws: list[bytes] = []
     size = 0
-    for topic, time, raw in messages:
+    for connection, time, raw in messages:
         data = decoder_limits.unpack_message(raw) if packed else raw
-        topics.append(topic)
+        numbers.append(topics[connection.id])
         times.append(time)
         raws.append(data)
         size += len(data)
         if size >= BATCH or len(raws) >= MOST_MESSAGES:
-            yield Batch.of_messages(topics, times, raws)
-            topics, times, raws, size = [], [], [], 0
+            yield Batch.of_messages(numbers, times, raws)
+            numbers, times, raws, size = [], [], [], 0
     if raws:
-        yield Batch.of_messages(topics, times, raws)
+        yield Batch.of_messages(numbers, times, raws)
