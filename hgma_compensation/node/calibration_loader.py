@@ -2,6 +2,8 @@
 
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeoutError  # another one than the builtin until Python 3.11
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -54,7 +56,7 @@ class CalibrationLoader:
 
     def load_before_stream(self, path: str) -> Prepared:
         """Return the same as ``load`` where no stream waits."""
-        return self._load(path, _answer_of_thread)
+        return self._load(path, answer_of_thread)
 
     def _load(self, path: str, ask: Callable[[Request], Pipeline]) -> Prepared:
         histories = self._live.histories()
@@ -73,17 +75,24 @@ class CalibrationLoader:
             self._process.close()
 
 
-def _answer_of_thread(request: Request) -> Pipeline:
+def answer_of_thread(request: Request) -> Pipeline:
     """Return the answer to a request; raises RefusedError, and TimeoutError where it is not there in time.
 
     The thread touches nothing that others use. One whose disk never answers must not keep the process from ending.
     """
-    answers: list[Pipeline | Refusal] = []
-    thread = threading.Thread(target=lambda: answers.append(answer(request)), name="loading", daemon=True)
-    thread.start()
-    thread.join(PATIENCE)
-    if not answers:
-        raise TimeoutError(f"not done within {PATIENCE:g} s")
-    if isinstance(answers[0], Refusal):
-        raise RefusedError(answers[0].reason)
-    return answers[0]
+    found: Future[Pipeline | Refusal] = Future()
+
+    def work() -> None:
+        try:
+            found.set_result(answer(request))
+        except BaseException as error:
+            found.set_exception(error)
+
+    threading.Thread(target=work, name="loading", daemon=True).start()
+    try:
+        result = found.result(PATIENCE)
+    except FutureTimeoutError:
+        raise TimeoutError(f"not done within {PATIENCE:g} s") from None
+    if isinstance(result, Refusal):
+        raise RefusedError(result.reason)
+    return result

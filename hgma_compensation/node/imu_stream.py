@@ -145,6 +145,4 @@ def added_variances(result: Compensated) -> NDArray[np.float64] | None:
     if result.ordinary:
         return None
     unsure = result.status > 0
-    if not unsure.any():
-        return None
     return np.where(unsure[:, None], result.uncertainty**2, np.nan)
