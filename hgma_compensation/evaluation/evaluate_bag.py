@@ -39,15 +39,15 @@ def evaluate_bag(
             stamps = extent.span(*span)
     with open_bag(path) as bag:
         found = BagTopics(bag, path, names)
-        run, gathered = (
-            OfflineRun(bag, path, found, calibration, found.read, stamps),
-            LongEvaluation(calibration, reference),
-        )
+        # Where only a part is asked for, or in blocks, there may be fewer or more samples.
+        declared = 0 if extent is not None else sum(connection.msgcount for connection in found.accelerometer)
+        run = OfflineRun(bag, path, found, calibration, found.read, stamps)
+        gathered = LongEvaluation(calibration, reference, declared)
         for batch, made in run.windows():
             if made is not None and len(made.samples):
                 raw = made.messages.values[made.samples][:, columns_of(calibration.names)]
                 result = made.result
-                gathered.add(Part(made.messages.stamps[made.samples], raw, result.values, result.features[:, 0]))
+                gathered.add(Part(made.messages.stamps[made.samples], raw, result.values, result.features[:, 0].copy()))
             if progress is not None:
                 progress(len(batch))
     if not run.samples:

@@ -46,41 +46,49 @@ class Part:
 class LongEvaluation:
     """Takes the samples of one recording in their order. samples: how many there were."""
 
-    def __init__(self, calibration: Calibration, reference: Reference) -> None:
-        """Judge with a calibration that the samples were compensated with."""
+    def __init__(self, calibration: Calibration, reference: Reference, expected: int = 0) -> None:
+        """Judge with a calibration that the samples were compensated with; expected: how many they are at the least."""
         self._calibration, self._reference = calibration, reference
         self._held: list[Part] = []
         self._count = self.samples = 0
         self._passing: _Passing | None = None
+        self._most = AT_ONCE if expected > WHOLE else WHOLE
 
     def add(self, part: Part) -> None:
         """Take samples."""
         self._held.append(part)
         self._count += len(part.stamps)
         self.samples += len(part.stamps)
-        if self._count > (WHOLE if self._passing is None else AT_ONCE):
+        if self._count > self._most:
             self._pass()
 
     def _pass(self) -> None:
-        whole = self._joined()
-        if self._passing is None:
-            self._passing = _Passing(whole, len(self._calibration.names))
-        self._passing.add(whole)
-        self._held, self._count = [], 0
-
-    def _joined(self) -> Part:
-        return Part(*(np.concatenate([getattr(p, name) for p in self._held]) for name in Part.__dataclass_fields__))
+        """Let go of all samples that are held, those of a few parts at a time."""
+        while self._held:
+            several, count = [self._held.pop(0)], 0
+            while self._held and count < AT_ONCE:
+                count += len(self._held[0].stamps)
+                several.append(self._held.pop(0))
+            part = _joined(several)
+            if self._passing is None:
+                self._passing = _Passing(part, len(self._calibration.names))
+            self._passing.add(part)
+        self._count, self._most = 0, AT_ONCE
 
     def evaluation(self) -> Evaluation:
         """Return the figures of all samples; there must be some."""
         if self._passing is None:
-            whole = self._joined()
+            whole = _joined(self._held)
             return compare(
                 whole.stamps, whole.raw, whole.compensated, whole.temperature, self._calibration, self._reference
             )
         if self._held:
             self._pass()
         return self._passing.evaluation(self._calibration, self._reference)
+
+
+def _joined(parts: list[Part]) -> Part:
+    return Part(*(np.concatenate([getattr(part, name) for part in parts]) for name in Part.__dataclass_fields__))
 
 
 class _Passing:

@@ -1,8 +1,11 @@
 """Noise of the Kalman stage from a recording."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from hgma_compensation.channels import columns_of
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.design import settled_filter
 from hgma_compensation.kalman.random_walk import RandomWalkNoise
@@ -20,27 +23,23 @@ TIME_CONSTANTS = {FilterMode.SMOOTH: 1.0, FilterMode.BIAS: 300.0}
 
 
 MOST_SAMPLES = 1 << 20
-"""Samples that the noise is told from; of a longer recording STRETCHES of them, evenly spread."""
+"""Samples up to which the noise is told from all of them."""
 
-STRETCHES = 64
+STRETCHES, STRETCH = 64, 4096
+"""Of a longer recording so many stretches of so many samples are taken, evenly spread."""
 
 
-def spread_samples(recording: Source) -> tuple[Stamps, NDArray[np.float64]]:
-    """Return stamps (n,) and values (n, 6) of a recording's samples, of a long one those of evenly spread stretches.
+def spread_samples(recording: Source, channels: Sequence[str]) -> tuple[Stamps, NDArray[np.float64]]:
+    """Return stamps (n,) and values (n, c) of a recording's samples, of a long one those of evenly spread stretches.
 
     Where one stretch ends and the next begins, two differences are no noise: medians are deaf to so few.
     """
-    if recording.samples <= MOST_SAMPLES:
-        parts = list(recording.windows())
-        if len(parts) == 1:
-            return parts[0]
-    else:
-        parts, done = [], 0
-        period, length = recording.samples // STRETCHES, MOST_SAMPLES // STRETCHES
-        for stamps, values in recording.windows():
-            rows = np.flatnonzero((done + np.arange(len(stamps))) % period < length)
-            parts.append((stamps[rows], values[rows]))
-            done += len(stamps)
+    parts, done, columns = [], 0, columns_of(channels)
+    long, period = recording.samples > MOST_SAMPLES, recording.samples // STRETCHES
+    for stamps, values in recording.windows():
+        chosen = (done + np.arange(len(stamps))) % period < STRETCH if long else np.ones(len(stamps), dtype=np.bool_)
+        parts.append((stamps[chosen], values[chosen][:, columns]))
+        done += len(stamps)
     return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
 
 

@@ -14,6 +14,7 @@ from hgma_compensation.drift.inputs import Array
 from hgma_compensation.drift.model import CalibratedRange
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.settings import FilterMode
+from hgma_compensation.stamps import Stamps
 from hgma_compensation.temperature.features import FeatureSettings, Product
 from hgma_compensation.training.blocks import Blocks, block_means, noise_of_means
 from hgma_compensation.training.filter_design import design_filter, spread_samples
@@ -30,8 +31,8 @@ MOST_BLOCKS = 2500
 SMALLEST_SPAN = 1.0
 """°C of temperature change below which there is no drift to learn."""
 
-_NOTHING = np.empty(0, dtype=np.int64), np.empty((0, len(CHANNELS)))
-"""Samples that no filter is designed for."""
+_NOTHING: tuple[Stamps, Array] = np.empty(0, dtype=np.int64), np.empty(0)
+"""Samples where no filter is designed."""
 
 Progress = Callable[[str, int, float], None]
 """Called with the channel, the generation and the best fitness so far."""
@@ -93,11 +94,14 @@ def train_on_blocks(
     _check_span(blocks, recordings)
     folds = cycle_folds(blocks)
     references = options.reference.of(channels, blocks.values)
+    filtered = options.filter is not FilterMode.OFF
+    stamps, samples = spread_samples(recordings[0], channels) if filtered else _NOTHING
     fitted = []
     for column, name in enumerate(channels):
         target = blocks.values[:, column] - references[column]
         fit = _ChannelFit(options, blocks.features, target, folds, _seed(options.seed, name), block)
-        fitted.append(fit.calibrate(name, float(references[column]), recordings, progress))
+        noisy = stamps, samples[:, column] if filtered else samples
+        fitted.append(fit.calibrate(name, float(references[column]), noisy, progress))
     return with_id(
         Calibration(
             sensor_id=options.sensor_id or recordings[0].frame or "unnamed",
@@ -121,8 +125,9 @@ class _ChannelFit:
     block: float
 
     def calibrate(
-        self, name: str, reference: float, recordings: Sequence[Source], progress: Progress | None
+        self, name: str, reference: float, samples: tuple[Stamps, Array], progress: Progress | None
     ) -> ChannelCalibration:
+        """Return the calibration of the channel; samples: stamps (n,) and values (n,) that a filter is designed for."""
         noise = noise_of_means(self.target)
         fit = fit_drift(
             self.options.method,
@@ -136,12 +141,10 @@ class _ChannelFit:
         )
         residual = self.target - fit.drift.evaluate(self.features)
         error = ChannelError(float(np.sqrt(np.mean(residual**2))), noise, fit.cross_validated)
-        stamps, values = spread_samples(recordings[0]) if self.options.filter is not FilterMode.OFF else _NOTHING
         stage = design_filter(
             self.options.filter,
             self.options.filter_time_constant,
-            stamps,
-            values[:, CHANNELS.index(name)],
+            *samples,
             name,
             error=error.unseen,
             block=self.block,
