@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Sequence
 from math import isfinite
+from operator import itemgetter
 from typing import NamedTuple
 
 from hgma_compensation.cdr.header import Header, aligned, read_stamp
@@ -13,6 +14,7 @@ _BODY = struct.Struct(f"<{DOUBLES}d")
 _DOUBLE = struct.Struct("<d")
 _UNKNOWN = bytes(len(AXES) ** 2 * _DOUBLE.size)
 _VALUE_AT = dict(zip(CHANNELS, VALUES_AT.tolist(), strict=True))
+_values = itemgetter(*_VALUE_AT.values())
 
 
 class SingleImu(NamedTuple):
@@ -28,34 +30,40 @@ class SingleImu(NamedTuple):
     doubles: tuple[float, ...]
 
     @property
-    def values(self) -> list[float]:
+    def values(self) -> tuple[float, ...]:
         """The six channels, in the order of CHANNELS."""
-        return [self.doubles[at] for at in _VALUE_AT.values()]
+        return _values(self.doubles)
 
     def absent(self, group: str) -> bool:
         """Return whether the message declares the field absent by -1 in its covariance (REP-145)."""
         return self.doubles[COVARIANCE_AT[group]] == -1.0
 
-    def covariance_valid(self, group: str) -> bool:
+    def _covariance_valid(self, group: str) -> bool:
         """Return whether the covariance of the field is finite, with no negative variance."""
         at = COVARIANCE_AT[group]
         covariance = self.doubles[at : at + len(AXES) ** 2]
         return all(map(isfinite, covariance)) and min(covariance[:: len(AXES) + 1]) >= 0.0
 
-    def patched(self, channels: tuple[str, ...], values: Sequence[float], variances: Sequence[float] | None) -> bytes:
-        """Return the message with channels (c) overwritten and variances (c) added, None for nothing."""
-        patched, start = bytearray(self.raw), self.start
+    def patched(
+        self, channels: tuple[str, ...], values: Sequence[float], variances: Sequence[float] | None
+    ) -> tuple[bytes, bool]:
+        """Return the message with channels (c) overwritten and variances (c) added, None for nothing.
+
+        And whether the covariances of the channels' fields were valid; one that was not becomes the unknown one.
+        """
+        patched, start, all_valid = bytearray(self.raw), self.start, True
         for channel, value in zip(channels, values, strict=True):
             _DOUBLE.pack_into(patched, start + _DOUBLE.size * _VALUE_AT[channel], value)
         for group, diagonal in diagonals(channels):
-            at, valid = COVARIANCE_AT[group], self.covariance_valid(group)
+            at, valid = COVARIANCE_AT[group], self._covariance_valid(group)
             if not valid:
+                all_valid = False
                 patched[start + _DOUBLE.size * at : start + _DOUBLE.size * at + len(_UNKNOWN)] = _UNKNOWN
             if variances is not None:
                 for place, column in diagonal:
                     known = self.doubles[at + place] if valid else 0.0
                     _DOUBLE.pack_into(patched, start + _DOUBLE.size * (at + place), known + variances[column])
-        return bytes(patched)
+        return bytes(patched), all_valid
 
 
 class SingleImuReader:

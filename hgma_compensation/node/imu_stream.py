@@ -63,11 +63,12 @@ class ImuStream:
         answer = self._live.compensate_each(*single_sample(message.stamp, message.values))
         if answer is not None:
             result, compensated = answer[0], answer[0].compensated
-            if not all(message.covariance_valid(group) for group in groups):
-                self._live.note(Note.COVARIANCE_INVALID)
             added = compensated.added_variance(0)
             variances = None if added is None else added.tolist()
-            publish_all(self._publisher, [message.patched(names, compensated.values[0].tolist(), variances)])
+            patched, valid = message.patched(names, compensated.values[0].tolist(), variances)
+            if not valid:
+                self._live.note(Note.COVARIANCE_INVALID)
+            publish_all(self._publisher, [patched])
             self._states.tell_last(message.stamp, result, lambda _: header_of(raw, message.frame))
         return message.stamp
 

@@ -49,15 +49,19 @@ class CountedInput:
     def __init__(self, topic: str, counts: Counter[str], subscription: Subscription) -> None:
         """Count under the topic's name."""
         self._name, self._counts = lost_name(topic), counts
-        self._subscription = subscription
+        # Only the caller's thread destroys the subscription, so that its handle need not be held for each message.
+        self._subscription, self._take, self._type = (
+            subscription,
+            subscription.handle.take_message,
+            subscription.msg_type,
+        )
         self._gaps = SequenceGaps()
 
     def take(self, most: int) -> list[bytes]:
         """Return up to ``most`` messages that wait, oldest first."""
-        # Only the caller's thread destroys the subscription, so that its handle need not be held for each message.
-        subscription, raws = self._subscription, list[bytes]()
-        take = subscription.handle.take_message
-        while len(raws) < most and (taken := take(subscription.msg_type, True)) is not None:
+        raws: list[bytes] = []
+        take, message_type = self._take, self._type
+        while len(raws) < most and (taken := take(message_type, True)) is not None:
             raws.append(taken[0])
             self._saw(taken[1])
         return raws
