@@ -164,12 +164,18 @@ def _block(batch: Batch, row: int, decode: Decode) -> BlockView | Any:
 
 
 def _frames(pieces: Sequence[tuple[slice, Any]], rows: Indices) -> list[tuple[slice, str]]:
-    found = []
-    for span, piece in pieces:
-        part = slice(*np.searchsorted(rows, (span.start, span.stop)).tolist())
-        if part.start < part.stop:
-            frame = piece.frame if isinstance(piece, (ImuBatch, BlockView)) else str(piece.header.frame_id)
-            found.append((part, frame))
+    found: list[tuple[slice, str]] = []
+    stops = np.searchsorted(rows, [span.stop for span, _ in pieces]).tolist()
+    start = 0
+    for (_, piece), stop in zip(pieces, stops, strict=True):
+        if start == stop:
+            continue
+        frame = piece.frame if isinstance(piece, (ImuBatch, BlockView)) else str(piece.header.frame_id)
+        if found and found[-1][1] == frame:
+            found[-1] = slice(found[-1][0].start, stop), frame
+        else:
+            found.append((slice(start, stop), frame))
+        start = stop
     return found
 
 
