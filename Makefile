@@ -16,7 +16,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_PREFER_BINARY := 1
 
-.PHONY: setup demo test lint types chamber-table chamber-sensitivity chamber-diagnosis loop-benchmark paper-table soak clean FORCE
+.PHONY: setup demo test lint types chamber-table chamber-sensitivity chamber-diagnosis loop-benchmark paper-table soak bench clean FORCE
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.messages
@@ -58,6 +58,11 @@ paper-table: setup
 # SOAK_ARGUMENTS="kills loops" runs some of it.
 soak: setup
 	$(RUN) -m benchmarks.soak $(SOAK_ARGUMENTS)
+
+# Speed and memory against rivals, one table, in about 25 minutes on a machine that does nothing else.
+# BENCH_ARGUMENTS="messages blocks --json FILE" runs some of it; "--write-docs" puts all of it into docs/PERFORMANCE.md.
+bench: setup
+	$(RUN) -m benchmarks.bench $(BENCH_ARGUMENTS)
 
 clean:
 	rm -rf $(VENV) build dist install log demo_output paper_output *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -39,6 +39,7 @@ OFFLINE = [
     "PyYAML>=6.0,<7",
     "rich>=13.7,<16",
     "rosbags>=0.11,<0.12",
+    "threadpoolctl>=3.1,<4",
 ]
 TEST = [
     "catkin_pkg>=1.0,<2",

@@ -2,8 +2,6 @@
 
 import contextlib
 import os
-import shutil
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,6 +13,8 @@ def write_atomically(path: Path, content: bytes) -> None:
 
     Raises RefusedError where it cannot be written.
     """
+    import tempfile  # takes long to load, and the start of a node writes nothing
+
     path = Path(path)
     try:
         descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
@@ -42,6 +42,9 @@ def new_directory(path: Path) -> Iterator[Path]:
 
     The block creates the directory. Raises RefusedError where ``path`` exists: nothing is overwritten.
     """
+    import shutil
+    import tempfile
+
     path = Path(path)
     if path.exists():
         raise RefusedError(f"{path} exists: choose another name or remove it")

@@ -6,9 +6,9 @@ dependencies. The tests compare its verdicts with the jsonschema package.
 """
 
 import json
+import pkgutil
 import re
 from functools import cache
-from importlib import resources
 from typing import Any
 
 from hgma_compensation.errors import RefusedError
@@ -29,7 +29,9 @@ _ARTICLES = {"object": "an object", "array": "an array", "integer": "an integer"
 @cache
 def load_schema(package: str, name: str) -> Schema:
     """Return a schema that is shipped as a file of a package."""
-    schema: Schema = json.loads(resources.files(package).joinpath(name).read_text(encoding="utf-8"))
+    content = pkgutil.get_data(package, name)
+    assert content is not None
+    schema: Schema = json.loads(content)
     return schema
 
 

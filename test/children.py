@@ -9,6 +9,16 @@ def children_of(pid):
     return [number for number, parent, state in _processes() if parent == pid and state not in "ZX"]
 
 
+def only_child_of(pid, timeout=10.0):
+    """Wait until a process has a child, and return the number of the only one."""
+    end = time.monotonic() + timeout
+    while not (children := children_of(pid)):
+        assert time.monotonic() < end, f"process {pid} has no child"
+        time.sleep(0.01)
+    (child,) = children
+    return child
+
+
 def wait_until_gone(pid, timeout=10.0):
     """Wait until a process has ended."""
     end = time.monotonic() + timeout

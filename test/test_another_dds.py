@@ -40,8 +40,9 @@ def test_cyclone_dds_reads_every_sample_with_equal_values(environment, robot, tm
     fields = json.dumps(CompensationState.get_fields_and_field_types())
     command = [sys.executable, str(READER), environment["ROS_DOMAIN_ID"], str(COUNT), fields]
     variables = {**environment, "CYCLONEDDS_URI": LOCALHOST}
+    node = [*NODE, "--ros-args", "-p", f"calibration_file:={tmp_path / 'cal.json'}", "-p", "state_rate:=0.0"]
     with (
-        running([*NODE, "--ros-args", "-p", f"calibration_file:={tmp_path / 'cal.json'}"], environment, "using"),
+        running(node, environment, "using"),
         subprocess.Popen(command, env=variables, stdout=subprocess.PIPE, text=True) as reader,
     ):
         assert reader.stdout.readline() == "matched\n"

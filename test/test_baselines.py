@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from hgma_compensation.training.baselines import draw, fit_gaussian_process, fit_thin_plate
+from hgma_compensation.training.baselines import draw, fit_gaussian_process, fit_kernel_ridge, fit_thin_plate
 from hgma_compensation.training.folds import Folds
 
 NOISE = 0.5
@@ -23,11 +23,12 @@ def rms(error):
     return float(np.sqrt(np.mean(error**2)))
 
 
-def test_both_fit_a_smooth_drift_to_less_than_its_noise():
+def test_all_fit_a_smooth_drift_to_less_than_its_noise():
     features, _, noisy, folds = made(seed=1)
     others, drift, _, _ = made(seed=2)
     assert rms(fit_gaussian_process(features, noisy, seed=1, points=200).evaluate(others) - drift) < NOISE
     assert rms(fit_thin_plate(features, noisy, folds, seed=1).evaluate(others) - drift) < 2.0 * NOISE
+    assert rms(fit_kernel_ridge(features, noisy, folds).evaluate(others) - drift) < NOISE
 
 
 def test_the_same_seed_gives_the_same_fit():
@@ -49,8 +50,15 @@ def test_any_number_of_rows_can_be_asked_for(count):
     for fit in (
         fit_gaussian_process(features, noisy, seed=1, points=50),
         fit_thin_plate(features, noisy, folds, seed=1),
+        fit_kernel_ridge(features, noisy, folds),
     ):
         assert fit.evaluate(rows).shape == (count,)
+
+
+def test_kernel_ridge_does_not_hear_the_unit_or_the_level_of_the_target():
+    features, _, noisy, folds = made(seed=8, count=150)
+    first, other = (fit_kernel_ridge(features, target, folds) for target in (noisy, 1024.0 * noisy + 5000.0))
+    np.testing.assert_allclose(other.evaluate(features), 1024.0 * first.evaluate(features) + 5000.0, rtol=1e-9)
 
 
 def test_a_target_that_never_changes_is_fitted():

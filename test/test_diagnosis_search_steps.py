@@ -10,7 +10,7 @@ from diagnosis_blocks import LASTS, lag_problem, plain_problem
 from hgma_compensation.diagnosis.confirm import residue
 from hgma_compensation.diagnosis.cross_validation import INTERLEAVED, TIME_FOLDS, folds_for, share_of_folds, sweeps
 from hgma_compensation.diagnosis.lines import line_candidates, power_spectrum
-from hgma_compensation.diagnosis.polish import polish, searched_parameter
+from hgma_compensation.diagnosis.polish import answered, finding_form, polish, searched_parameter, side_by_side
 from hgma_compensation.diagnosis.problem import Problem, State, without_rows
 from hgma_compensation.effects.aging import Aging
 from hgma_compensation.effects.periodic_interference import PeriodicInterference
@@ -68,6 +68,28 @@ def test_polish_stays_inside_the_limits(lagging):
     found = polish(first, lagging.score, lagging.problem.survey)
     found.effect.check()
     assert found.bic <= first.bic
+
+
+def test_searches_side_by_side_find_what_each_finds_alone(lagging):
+    survey, asked = lagging.problem.survey, []
+
+    def score(effects):
+        asked.append(len(effects))
+        return lagging.score(effects)
+
+    # One that takes many rounds, one that takes none, and one whose forms have several poles.
+    starts = lagging.score([lag(60.0), ThermalGradient(), StressRelaxation(300.0, 1.0)])
+    together = answered(side_by_side([finding_form(start, survey) for start in starts]), score)
+    rounds = len(asked)
+    alone = [answered(finding_form(start, survey), score) for start in starts]
+    assert [found.effect for found in together] == [found.effect for found in alone]
+    assert [found.bic for found in together] == [found.bic for found in alone]
+    assert rounds < len(asked) - rounds
+    assert sum(asked[:rounds]) == sum(asked[rounds:])
+
+
+def test_no_search_at_all_finds_nothing(lagging):
+    assert answered(side_by_side([]), lagging.score) == []
 
 
 def test_the_planted_lag_leaves_only_noise_and_its_gain_is_found(lagging):

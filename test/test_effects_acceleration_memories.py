@@ -4,8 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+import sequential_memories
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from kalman_streams import CLOCKS, clock
 from numpy.typing import NDArray
 from test_effects_examples import EXAMPLES, example, stamps_at, wild
 
@@ -38,6 +40,42 @@ def test_acceleration_may_come_in_any_parts(name: str, cuts: list[int], seed: in
     assert whole.shape == (120, memory.size)
     assert run(memory, at.stamps, acceleration, *cuts).tobytes() == whole.tobytes()
     assert run(memory, at.stamps, acceleration, *range(120)).tobytes() == whole.tobytes()
+
+
+MEMORIES = {
+    "vibration": (VibrationLevel(0.3, 1.0), sequential_memories.VibrationLevel(0.3, 1.0)),
+    "shocks": (ShockSums(50.0, 0.2), sequential_memories.ShockSums(50.0, 0.2)),
+}
+
+
+@st.composite
+def streams(draw: st.DrawFn) -> tuple[Stamps, Array]:
+    """Return up to 3000 samples with shocks one after the other or alone, new levels, and some that are not finite."""
+    random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    count = draw(st.integers(1, 3000))
+    stamps = clock(draw(st.sampled_from(CLOCKS)), count, random)
+    if draw(st.booleans()):
+        stamps = stamps[0] + 30 * (stamps - stamps[0])  # shocks then end, and what lasts is a new level
+    if draw(st.booleans()):
+        stamps[random.integers(0, count) :] += 12 * NANOSECONDS
+    acceleration = 9.81 + random.standard_normal(count)
+    acceleration[random.integers(0, count, draw(st.sampled_from([0, 1, 40])))] += 1000.0 * random.standard_normal()
+    acceleration[random.integers(0, count) :] += draw(st.sampled_from([0.0, 200.0]))
+    acceleration[random.integers(0, count, 3)] = draw(st.sampled_from([9.0, np.nan, np.inf, -np.inf, 1e100]))
+    return stamps, acceleration
+
+
+@pytest.mark.parametrize("kind", MEMORIES)
+@settings(deadline=None, max_examples=60)
+@given(streams(), st.lists(st.integers(0, 3000), max_size=4))
+def test_many_samples_at_once_are_the_same_as_one_by_one(
+    kind: str, stream: tuple[Stamps, Array], cuts: list[int]
+) -> None:
+    (memory, stepwise), (stamps, acceleration) = MEMORIES[kind], stream
+    whole = run(memory, stamps, acceleration)
+    assert run(memory, stamps, acceleration, *(cut for cut in cuts if cut < len(stamps))).tobytes() == whole.tobytes()
+    assert run(memory, stamps, acceleration, *range(len(stamps))).tobytes() == whole.tobytes()
+    np.testing.assert_allclose(whole, run(stepwise, stamps, acceleration), rtol=1e-9, atol=1e-9)
 
 
 def test_vibration_level_is_the_variance_of_what_is_fast() -> None:

@@ -5,8 +5,9 @@ import pytest
 from builders import make_stamps
 
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.kalman.course import filter_samples
 from hgma_compensation.kalman.design import reference_filter, settled_filter
-from hgma_compensation.kalman.random_walk import RandomWalkNoise, filter_samples
+from hgma_compensation.kalman.random_walk import RandomWalkNoise
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.training.filter_design import design_filter
 

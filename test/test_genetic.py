@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from builders import MEAN_TEMPERATURE, triangle, true_drift
 
+from hgma_compensation.training import genetic
 from hgma_compensation.training.blocks import Blocks
 from hgma_compensation.training.folds import cycle_folds
 from hgma_compensation.training.genetic import GeneticSettings, search_network
@@ -40,6 +41,13 @@ def test_same_seed_gives_the_same_network_bit_for_bit_and_another_seed_another()
     first = search()
     assert bits(search().drift) == bits(first.drift)
     assert bits(search(seed=SEED + 1).drift) != bits(first.drift)
+
+
+@pytest.mark.parametrize("piece", [1, 7, 1000])
+def test_result_does_not_depend_on_how_many_candidates_are_evaluated_at_once(monkeypatch, piece):
+    first = search()
+    monkeypatch.setattr(genetic, "PIECE", piece)
+    assert bits(search().drift) == bits(first.drift)
 
 
 def test_search_hears_no_global_random_numbers():

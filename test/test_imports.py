@@ -30,8 +30,22 @@ def test_arithmetic_knows_no_ros(module):
     assert not modules_after(f"import hgma_compensation.{module}") & ROS
 
 
+NODE = "import hgma_compensation.node.running, hgma_compensation.node.compensation_node"
+
+
 def test_the_node_needs_nothing_of_the_offline_tools():
-    assert not modules_after("import hgma_compensation.node.running") & OFFLINE
+    assert not modules_after(NODE) & OFFLINE
+
+
+def test_the_first_sample_waits_for_nothing_that_it_does_not_need(calibration_file):
+    read = (
+        "from pathlib import Path; from hgma_compensation.loading.job import Request, answer; "
+        "from hgma_compensation.pipeline.live import LiveCompensation; "
+        f"answer(Request(Path({str(calibration_file)!r}), None, '', LiveCompensation().histories())).calibration"
+    )
+    loaded = modules_after(f"{NODE}; {read}")
+    assert "numpy" in loaded
+    assert not loaded & {"scipy", "jsonschema", "subprocess", "tempfile", "shutil", "difflib"}
 
 
 def test_the_command_imports_only_what_is_called():

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from builders import make_stamps
 
-from hgma_compensation.kalman.random_walk import RandomWalkNoise, filter_samples
+from hgma_compensation.kalman.course import filter_samples
+from hgma_compensation.kalman.intervals import PAUSE
+from hgma_compensation.kalman.random_walk import RandomWalkNoise
 from hgma_compensation.kalman.settings import FilterMode, FilterSettings
-from hgma_compensation.kalman.stage import PAUSE, KalmanStage
+from hgma_compensation.kalman.stage import KalmanStage
 from hgma_compensation.stamps import NANOSECONDS
 
 RATE, WHITE = 100.0, 0.3

@@ -4,7 +4,8 @@ from builders import make_stamps
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hgma_compensation.kalman.random_walk import RandomWalkNoise, filter_samples
+from hgma_compensation.kalman.course import filter_samples
+from hgma_compensation.kalman.random_walk import RandomWalkNoise
 from hgma_compensation.kalman.settings import FilterMode, FilterSettings
 from hgma_compensation.kalman.stage import KalmanStage
 

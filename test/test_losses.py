@@ -16,6 +16,28 @@ def lost(numbers, publishers=1):
     return sum(gaps.add(number, lambda: publishers) for number in numbers)
 
 
+class Waiting:
+    """A subscription that holds messages of these numbers."""
+
+    msg_type, raw = None, True
+
+    def __init__(self, numbers):
+        self._numbers = list(numbers)
+        self.handle = self
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def take_message(self, *_):
+        return (b"message", {"publication_sequence_number": self._numbers.pop(0)}) if self._numbers else None
+
+    def get_publisher_count(self):
+        return 1
+
+
 @given(st.sets(st.integers(1, 300), min_size=1))
 def test_what_is_missing_between_the_first_and_the_last_number_is_lost(numbers):
     assert lost(sorted(numbers)) == max(numbers) - min(numbers) + 1 - len(numbers)
@@ -53,10 +75,16 @@ def test_the_numbers_are_asked_for_only_where_one_is_not_the_next():
 
 def test_a_middleware_without_numbers_counts_nothing():
     counts = Counter()
-    counted = CountedInput("accel/raw", counts)
-    for _ in range(3):
-        counted.saw({"publication_sequence_number": None})
+    counted = CountedInput("accel/raw", counts, Waiting([None] * 3))
+    assert counted.take(10) == [b"message"] * 3
     assert not counts
+
+
+def test_messages_are_taken_in_order_up_to_a_number_and_the_gaps_between_them_are_counted():
+    counts = Counter()
+    counted = CountedInput("accel/raw", counts, Waiting([1, 2, 5, 9]))
+    assert [len(counted.take(most)) for most in (3, 3, 3)] == [3, 1, 0]
+    assert counts == {"raw_lost_in_transport": 2 + 3}
 
 
 @given(st.randoms(use_true_random=False))

@@ -14,7 +14,8 @@ from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.effects.registry import make
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.pipeline.pipeline import Compensated, Pipeline
+from hgma_compensation.pipeline.compensated import Compensated, joined
+from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.stretches import Cut
 from hgma_compensation.recording.compensated_bag import check_covered, compensate_recording, feed
 from hgma_compensation.recording.recording import Recording, Series
@@ -25,13 +26,9 @@ STAMPS = RECORDING.stamps
 SWITCHED_OFF = switched_off(RECORDING)
 
 
-def assert_same_bits(one, other, names=tuple(Compensated.__dataclass_fields__)):
+def assert_same_bits(one, other, names=tuple(Compensated.FIELDS)):
     for name in names:
         assert getattr(one, name).tobytes() == getattr(other, name).tobytes(), name
-
-
-def joined(parts):
-    return Compensated(*(np.concatenate([getattr(p, n) for p in parts]) for n in Compensated.__dataclass_fields__))
 
 
 def compensate(pipeline, rows, recording=RECORDING):

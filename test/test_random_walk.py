@@ -5,7 +5,8 @@ import pytest
 from builders import make_stamps
 from filterpy.kalman import KalmanFilter
 
-from hgma_compensation.kalman.random_walk import RandomWalkNoise, filter_samples
+from hgma_compensation.kalman.course import filter_samples
+from hgma_compensation.kalman.random_walk import RandomWalkNoise
 
 SEED = 20190725
 NOISE = RandomWalkNoise(white=0.3, walk=0.05)

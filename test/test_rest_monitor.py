@@ -1,5 +1,7 @@
 """A sensor that its calibration no longer describes is noticed at rest, and one that it describes is left alone."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from builders import EPOCH, LINEAR, make_calibration, make_recording
@@ -88,7 +90,7 @@ def monitored(residual, temperature, *, usable=True, noise=0.0):
     corrected = (calibration.channels[0].reference + residual + noise * random.standard_normal(len(residual)))[:, None]
     for row, (value, celsius) in enumerate(zip(corrected, temperature, strict=True)):
         stamp = np.array([EPOCH + row * NANOSECONDS // 2])
-        monitor.take(stamp, value[None], np.array([celsius]), usable)
+        monitor.take(stamp, value[None], SimpleNamespace(features=np.array([[celsius, 0.0, 0.0]])), usable)
     return monitor.residuals()
 
 

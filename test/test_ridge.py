@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from sklearn.linear_model import Ridge
 
-from hgma_compensation.training.ridge import cross_validated_rms, solve_ridge
+from hgma_compensation.training.ridge import LeftOutFolds, cross_validated_rms, solve_ridge
 
 SEED = 20190725
 
@@ -65,6 +67,24 @@ def test_population_is_one_candidate_after_the_other(problem):
     columns, target, penalty, folds = problem
     single = [cross_validated_rms(c[None], target, p[None], folds)[0] for c, p in zip(columns, penalty, strict=True)]
     np.testing.assert_allclose(cross_validated_rms(columns, target, penalty, folds), single, rtol=1e-12)
+
+
+@given(seed=st.integers(0, 2**32 - 1), size=st.integers(1, 9), folds=st.integers(2, 6))
+def test_fitness_is_the_same_bits_whatever_is_evaluated_beside_it(seed, size, folds):
+    random = np.random.default_rng(seed)
+    rows = LeftOutFolds.of(np.sort(random.integers(0, folds, 90)) if seed % 2 else random.permutation(90) % folds)
+    columns, target = random.standard_normal((9, 90, 5)), random.standard_normal(90)
+    penalty = 10.0 ** random.uniform(-6.0, 0.0, (9, 5))
+    whole = rows.rms(columns, target, penalty)
+    starts = range(0, 9, size)
+    parts = [rows.rms(columns[a : a + size], target, penalty[a : a + size]) for a in starts]
+    assert np.concatenate(parts).tobytes() == whole.tobytes()
+
+
+def test_rows_are_sorted_fold_by_fold_and_keep_their_order_within():
+    sorted_rows = LeftOutFolds.of(np.array([2, 0, 1, 0, 2, 2]))
+    np.testing.assert_array_equal(sorted_rows.order, [1, 3, 2, 0, 4, 5])
+    assert sorted_rows.places == (slice(0, 2), slice(2, 3), slice(3, 6))
 
 
 def test_columns_that_explain_one_fold_only_do_not_help_to_predict_it(problem):

@@ -62,7 +62,7 @@ def test_what_is_no_sample_is_skipped_by_name_and_what_is_odd_is_counted(robot, 
         "acceleration_implausible": imu(at(30.2), [1e300] * 6),
         "acceleration_absent": absent,
     }
-    with node():
+    with node("state_rate:=0.0"):
         robot.connect()
         warm(robot)
         for message in skipped.values():
@@ -79,6 +79,28 @@ def test_what_is_no_sample_is_skipped_by_name_and_what_is_odd_is_counted(robot, 
         assert np.isfinite(message.linear_acceleration.x)
     assert [message.header.frame_id for message in robot.compensated] == ["imu_link"] * 4 + ["other"]
     assert set(skipped) <= set(REMEDIES)
+
+
+def test_bytes_that_hold_no_message_are_counted_and_nothing_dies(robot, node):
+    rubbish = (
+        b"\x00\x01\x00\x00",
+        b"\x00\x01\x00\x00 this is no message of the kind",
+        b"\x00\x01\x00\x00" + b"\xff" * 400,
+    )
+    with node():
+        robot.connect()
+        warm(robot)
+        for raw in rubbish:
+            for publisher in (robot.raw, robot.raw_block, robot.temperature, robot.temperature_2, robot.supply_voltage):
+                publisher.publish(raw)
+        robot.spin(0.3)
+        robot.raw.publish(imu(at(30.1), STILL))
+        robot.wait(lambda: robot.compensated, "the sample after it")
+        slow = [f"{name}_unreadable" for name in ("temperature", "temperature_2", "supply_voltage")]
+        values = said(robot, "acceleration_unreadable", *slow)
+        assert values["acceleration_unreadable"] == str(2 * len(rubbish))
+        assert {values[name] for name in slow} == {str(len(rubbish))}
+        assert {*slow, "acceleration_unreadable"} <= set(REMEDIES)
 
 
 def test_another_frame_is_skipped_where_one_is_wanted(robot, node):

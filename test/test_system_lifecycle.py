@@ -33,8 +33,8 @@ def node(environment, tmp_path):
     return run
 
 
-def managed(node, **options):
-    return node("autostart:=false", ready="waiting to be configured", **options)
+def managed(node, *parameters, **options):
+    return node("autostart:=false", *parameters, ready="waiting to be configured", **options)
 
 
 def sample(number):
@@ -112,7 +112,7 @@ def test_the_inactive_node_publishes_nothing_and_keeps_its_history(robot, node):
 
 
 def test_transitions_while_samples_stream_in_lose_none_of_them_unseen(robot, node):
-    with managed(node):
+    with managed(node, "state_rate:=0.0"):
         assert robot.change_state("configure")
         robot.connect()
         for number in range(300):

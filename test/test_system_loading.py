@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import make_calibration, make_recording
-from children import children_of, wait_until_gone
+from children import only_child_of, wait_until_gone
 from rcl_interfaces.srv import DescribeParameters
 from robot import imu, thermistor
 
@@ -104,7 +104,7 @@ def test_the_stream_goes_on_while_a_file_is_read_and_requests_are_answered_in_tu
     first, second, third = calibrations
     with node(environment, f"calibration_file:={first}") as process:
         begin(robot)
-        (loading,) = children_of(process.pid)
+        loading = only_child_of(process.pid)
         os.kill(loading, signal.SIGSTOP)
         client = robot.client(LoadCalibration, "/compensation_node/load_calibration")
         robot.wait(client.service_is_ready, "the service")
@@ -125,7 +125,7 @@ def test_a_file_that_hangs_is_refused_in_time_and_the_next_one_is_loaded(environ
     first, second, third = calibrations
     with node(environment, f"calibration_file:={first}", command=[sys.executable, "-c", IMPATIENT]) as process:
         begin(robot)
-        (loading,) = children_of(process.pid)
+        loading = only_child_of(process.pid)
         os.kill(loading, signal.SIGSTOP)
         client = robot.client(LoadCalibration, "/compensation_node/load_calibration")
         robot.wait(client.service_is_ready, "the service")
@@ -145,7 +145,7 @@ def test_a_loading_process_that_is_killed_costs_neither_samples_nor_the_request(
     first, second, _ = calibrations
     with node(environment, f"calibration_file:={first}") as process:
         begin(robot)
-        (loading,) = children_of(process.pid)
+        loading = only_child_of(process.pid)
         os.kill(loading, signal.SIGSTOP)
         client = robot.client(LoadCalibration, "/compensation_node/load_calibration")
         robot.wait(client.service_is_ready, "the service")
@@ -166,7 +166,7 @@ def test_a_node_that_ends_leaves_no_process_behind(environment, calibrations, nu
         command, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True
     ) as process:
         assert any("using calibration" in line for line in process.stderr)
-        (loading,) = children_of(process.pid)
+        loading = only_child_of(process.pid)
         if number == signal.SIGINT:
             os.killpg(process.pid, number)  # as a terminal does
         else:

@@ -114,7 +114,7 @@ def test_signals_end_the_unconfigured_node_with_0(environment, number):
 @pytest.mark.parametrize("number", SIGNALS)
 def test_signals_while_it_configures_end_it_with_0(environment, calibration_path, number):
     slow = (
-        "import sys, time\nfrom hgma_compensation.node import compensation_node as c\n"
+        "import sys, time\nfrom hgma_compensation.node import streams as c\n"
         "opened = c.Streams.open\n"
         "def slowly(self):\n    print('opening', flush=True)\n    time.sleep(0.5)\n    opened(self)\n"
         "c.Streams.open = slowly\n"
@@ -145,7 +145,7 @@ def test_a_defect_in_a_callback_is_said_once_and_ends_the_process_as_failed(envi
     defect = (
         "import sys\nfrom hgma_compensation.pipeline.live import LiveCompensation\n"
         "def broken(*_):\n    raise ZeroDivisionError('a defect')\n"
-        "LiveCompensation.compensate = broken\n"
+        "LiveCompensation.compensate = LiveCompensation.compensate_each = broken\n"
         "from hgma_compensation.node.main import main\nsys.exit(main())"
     )
     command = [sys.executable, "-c", defect, "--ros-args", "-p", f"calibration_file:={calibration_path}"]

@@ -53,7 +53,9 @@ class Lives:
         """Start the node."""
         words = [f"calibration_file:={self._folder / 'calibration.json'}", f"state_file:={self.state}"]
         command = [sys.executable, "-m", "hgma_compensation.node.main", "--ros-args"]
-        command += [word for parameter in [*words, "state_period:=1.0"] for word in ("-p", parameter)]
+        command += [
+            word for parameter in [*words, "state_period:=1.0", "state_rate:=0.0"] for word in ("-p", parameter)
+        ]
         return subprocess.Popen(
             command, env=dict(self._environment), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )

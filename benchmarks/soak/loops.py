@@ -46,7 +46,11 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         (good, *_), _ = write_calibrations(Path(folder))
         write_recording(make_recording(), Path(folder) / "bag")
-        words = [word for parameter in (f"calibration_file:={good}", *RELIABLE) for word in ("-p", parameter)]
+        words = [
+            word
+            for parameter in (f"calibration_file:={good}", "state_rate:=0.0", *RELIABLE)
+            for word in ("-p", parameter)
+        ]
         node = [sys.executable, "-m", "hgma_compensation.node.main", "--ros-args", *words]
         play = [*HGMA, "play", str(Path(folder) / "bag"), "--loop", "--rate", str(options.speed), "--wait", "30"]
         with running(node, environment, "using calibration"):

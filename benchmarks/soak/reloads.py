@@ -67,7 +67,7 @@ def soak(options: argparse.Namespace, directory: Path) -> dict[str, Any]:
     paths = list(calibrations)
     refused = write_refused(directory, paths[0].read_bytes())
     environment = private_ros_environment()
-    parameters = [f"calibration_file:={paths[0]}", *(RELIABLE if options.reliable else [])]
+    parameters = [f"calibration_file:={paths[0]}", "state_rate:=0.0", *(RELIABLE if options.reliable else [])]
     command = [*NODE, *(word for parameter in parameters for word in ("-p", parameter))]
     with running(command, environment, "using calibration") as node:
         client = ReloadClient(int(environment["ROS_DOMAIN_ID"]))

@@ -14,13 +14,13 @@ from hgma_compensation.cdr.header import Header, aligned, read_header, read_stam
 from hgma_compensation.cdr.rows import FLOAT64, fields, stacked
 from hgma_compensation.channels import AXES, CHANNELS, group_of
 
-_DOUBLES = 37
-_BODY_SIZE = _DOUBLES * FLOAT64.itemsize
+DOUBLES = 37
+_BODY_SIZE = DOUBLES * FLOAT64.itemsize
 # The first of the doubles of each group; its covariance follows the axes.
 _GROUP_AT = {"angular_velocity": 13, "linear_acceleration": 25}
-_COVARIANCE_AT = {group: at + len(AXES) for group, at in _GROUP_AT.items()}
+COVARIANCE_AT = {group: at + len(AXES) for group, at in _GROUP_AT.items()}
 _CHANNEL_AT = {channel: _GROUP_AT[group_of(channel)] + AXES.index(channel[-1]) for channel in CHANNELS}
-_VALUES_AT = np.array([_CHANNEL_AT[channel] for channel in CHANNELS])
+VALUES_AT = np.array([_CHANNEL_AT[channel] for channel in CHANNELS])
 
 
 class ImuBatch:
@@ -36,7 +36,7 @@ class ImuBatch:
         self._rows = rows
         self._start = aligned(header.end)
         self._body = self._doubles(rows)
-        self.values: NDArray[np.float64] = self._body.take(_VALUES_AT, axis=1).astype(np.float64, copy=False)
+        self.values: NDArray[np.float64] = self._body.take(VALUES_AT, axis=1).astype(np.float64, copy=False)
         self._valid: dict[str, NDArray[np.bool_]] = {}
 
     @classmethod
@@ -53,7 +53,7 @@ class ImuBatch:
 
     def absent(self, group: str) -> NDArray[np.bool_]:
         """Return which messages (n,) declare the field absent by -1 in its covariance (REP-145)."""
-        return np.asarray(self._body[:, _COVARIANCE_AT[group]] == -1.0)
+        return np.asarray(self._body[:, COVARIANCE_AT[group]] == -1.0)
 
     def covariances_valid(self, groups: Iterable[str]) -> NDArray[np.bool_]:
         """Return in which messages (n,) the covariances of all these fields are valid.
@@ -97,7 +97,7 @@ class ImuBatch:
         body = self._doubles(patched)
         for column, channel in enumerate(channels):
             body[:, _CHANNEL_AT[channel]] = values[:, column]
-        for group, diagonal in _diagonals(tuple(channels)):
+        for group, diagonal in diagonals(tuple(channels)):
             valid = self._group_valid(group)[rows]
             if not valid.all():
                 _covariances(body, group)[~valid] = 0.0
@@ -111,7 +111,7 @@ class ImuBatch:
 
 
 def _covariances(body: NDArray[np.float64], group: str) -> NDArray[np.float64]:
-    start = _COVARIANCE_AT[group]
+    start = COVARIANCE_AT[group]
     return body[:, start : start + len(AXES) ** 2]
 
 
@@ -126,7 +126,7 @@ def _add_variances(
 
 
 @lru_cache(maxsize=64)
-def _diagonals(channels: tuple[str, ...]) -> list[tuple[str, list[tuple[int, int]]]]:
+def diagonals(channels: tuple[str, ...]) -> list[tuple[str, list[tuple[int, int]]]]:
     """Return for each field of the channels the places of their variances in its covariance, and their columns."""
     groups: dict[str, dict[int, int]] = {}
     for column, channel in enumerate(channels):

@@ -29,7 +29,8 @@ def run_live(recording: Path, calibration: Path, output: Path, *, rate: float, s
     from hgma_compensation.demo.recorder import record
 
     environment = private_ros_environment()
-    node = [*NODE, "--ros-args", "-p", f"calibration_file:={calibration}"]
+    # A state with every sample, so that what is recorded can be compared sample by sample.
+    node = [*NODE, "--ros-args", "-p", f"calibration_file:={calibration}", "-p", "state_rate:=0.0"]
     play = [*HGMA, "play", str(recording), "--rate", str(rate), "--wait", "20"]
     with running(node, environment, READY):
         playing = _Playing(play, environment, samples)

@@ -23,6 +23,7 @@ from hgma_compensation.errors import RefusedError
 from hgma_compensation.recording.compensated_bag import check_covered
 from hgma_compensation.recording.recording import Recording
 from hgma_compensation.training.blocks import FEWEST
+from hgma_compensation.training.linear_algebra import one_thread
 from hgma_compensation.training.train import block_length
 
 Progress = Callable[[str, str], None]
@@ -34,6 +35,7 @@ FEWEST_SWEEPS = 4
 """Coolings and heatings that single effects need: two cycles, so that one can be left out."""
 
 
+@one_thread()
 def diagnose(
     recordings: Sequence[Recording],
     calibration: Calibration,

@@ -10,7 +10,7 @@ from hgma_compensation.diagnosis.baseline import independent
 from hgma_compensation.diagnosis.cross_validation import folds_for, share_of_folds
 from hgma_compensation.diagnosis.leftover import leftover, slow_directions
 from hgma_compensation.diagnosis.lines import TRIALS, line_candidates
-from hgma_compensation.diagnosis.polish import polish
+from hgma_compensation.diagnosis.polish import answered, finding_form, side_by_side
 from hgma_compensation.diagnosis.problem import Problem, State
 from hgma_compensation.diagnosis.search import Scored
 from hgma_compensation.diagnosis.significance import null_maxima, score_of
@@ -34,9 +34,6 @@ LEAST_CONTRIBUTION = 0.25
 
 LEAST_SHARE = 0.12
 """The same over that of the largest effect: less is more likely its own law, which is never quite the fitted one."""
-
-RICHER = 6.0
-"""Fall of the BIC that a form with more columns must bring."""
 
 CLOSE = 10.0
 """BIC within which two explanations cannot be told apart (Kass and Raftery 1995)."""
@@ -132,13 +129,15 @@ class Forward:
     def _stage(self, state: State, largest: float) -> tuple[State, list[Candidate]]:
         """Return the state under the noise beside the best candidate, and the candidates, best first."""
         grid = self._grid(state)
-        best = self._polished(state, state.score(grid))
+        scored = state.score(grid)
+        best = self._polished(state, scored)
         if best:
             # Under the noise that is left beside the best candidate: before, its own structure counts as noise.
             noise = State.of(self.problem, (*state.effects, best[0].effect))
             state = noise.with_effects(state.effects, state.columns)
-            best = self._polished(state, state.score(grid))
-        smooth = [s for s in state.score(grid) if s.name != LINE]
+            scored = state.score(grid)
+            best = self._polished(state, scored)
+        smooth = [s for s in scored if s.name != LINE]
         null = null_maxima(state.projection, [s.directions for s in smooth], self.random)
         slow = slow_directions(state)
         return state, [self._judged(state, slow, scored, null.p_value, largest) for scored in best]
@@ -152,18 +151,10 @@ class Forward:
         if not best:
             return []
         top = max(one.gain for one in best.values())
-        for name, one in best.items():
-            if one.gain >= SERIOUS * top and one.gain > 10.0:
-                best[name] = self._best_form(state, one)
+        serious = [name for name, one in best.items() if one.gain >= SERIOUS * top and one.gain > 10.0]
+        searches = [finding_form(best[name], self.problem.survey) for name in serious]
+        best.update(zip(serious, answered(side_by_side(searches), state.score), strict=True))
         return sorted(best.values(), key=lambda s: s.bic)
-
-    def _best_form(self, state: State, one: Scored) -> Scored:
-        one = polish(one, state.score, self.problem.survey)
-        for form in one.effect.richer(self.problem.survey):
-            rich = polish(state.score([form])[0], state.score, self.problem.survey)
-            if rich.bic < one.bic - RICHER:
-                one = rich
-        return one
 
     def _judged(
         self, state: State, slow: Array, scored: Scored, p_value: Callable[[float], float], largest: float
@@ -228,7 +219,7 @@ class Forward:
         """Return the effect polished beside the others, or another kind that does better in its place."""
         own = found[index]
         others = self._beside(state, [f for i, f in enumerate(found) if i != index])
-        current = self._best_form(others, others.score([own.effect])[0])
+        current = answered(finding_form(others.score([own.effect])[0], self.problem.survey), others.score)
         if len(found) == 1:
             return replace(own, effect=current.effect, contribution=self._contribution(others, current))
         rivals = [s for s in self._polished(others, others.score(self._grid(others))) if s.name != own.effect.name]

@@ -76,9 +76,10 @@ def fit_noise(
     def model(level: float) -> NoiseModel:
         return NoiseModel(white, float(np.exp(level) * np.median(white)), carried, correlation, block)
 
+    parts = model(0.0).correlated(chunks, blocks.stamps)
+
     def cost(level: float) -> float:
-        whitener = model(level).whitener(chunks, blocks.stamps)
-        return -restricted_log_likelihood(whitener, blocks.values, slow)
+        return -restricted_log_likelihood(model(level).whitener_of(parts), blocks.values, slow)
 
     best = minimize_scalar(cost, bounds=FLICKER_RANGE, method="bounded", options={"xatol": 0.15})
     return model(float(best.x))

@@ -5,6 +5,7 @@ covariance is written down with two levels read off the data, and everything is 
 Cholesky factor (generalised least squares, Aitken 1936).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -60,25 +61,40 @@ class NoiseModel:
 
         What the spread of different runs has in common is left out.
         """
-        factors, places = [], []
+        return self.whitener_of(self.correlated(run, stamps), spread)
+
+    def correlated(self, run: NDArray[np.int64], stamps: Stamps) -> "list[Correlated]":
+        """Return what the covariance of each run of blocks is made of: the same for any white noise and any flicker."""
+        parts = []
         for number in np.unique(run):
             place = np.flatnonzero(run == number)
             seconds = (stamps[place] - stamps[place[0]]) * 1e-9
-            covariance = self._covariance(place, seconds)
-            if spread is not None:
-                covariance += spread[place] @ spread[place].T
-            factors.append(cholesky(covariance, lower=True, check_finite=False))
-            places.append(place)
-        return Whitener(tuple(factors), tuple(places))
+            apart = np.abs(seconds[:, None] - seconds[None, :])
+            lags, own = np.arange(len(self.correlation)) * self.shortest, self.thermistor[place]
+            carried = np.interp(apart, lags, self.correlation, right=0.0) * own[:, None] * own[None, :]
+            parts.append(Correlated(place, flicker_correlation(apart, self.shortest, float(seconds[-1])), carried))
+        return parts
 
-    def _covariance(self, place: NDArray[np.int64], seconds: Array) -> Array:
-        apart = np.abs(seconds[:, None] - seconds[None, :])
-        covariance: Array = self.flicker * flicker_correlation(apart, self.shortest, float(seconds[-1]))
-        lags = np.arange(len(self.correlation)) * self.shortest
-        own = self.thermistor[place]
-        covariance += np.interp(apart, lags, self.correlation, right=0.0) * own[:, None] * own[None, :]
-        covariance[np.diag_indices(len(place))] += self.white[place] + 1e-9 * np.mean(self.white)
-        return covariance
+    def whitener_of(self, parts: "Sequence[Correlated]", spread: Array | None = None) -> Whitener:
+        """Return the whitener of runs; parts: as ``correlated`` gives them for the same thermistor."""
+        factors = []
+        for part in parts:
+            covariance = self.flicker * part.flicker
+            covariance += part.thermistor
+            covariance[np.diag_indices(len(part.place))] += self.white[part.place] + 1e-9 * np.mean(self.white)
+            if spread is not None:
+                covariance += spread[part.place] @ spread[part.place].T
+            factors.append(cholesky(covariance, lower=True, check_finite=False))
+        return Whitener(tuple(factors), tuple(part.place for part in parts))
+
+
+@dataclass(frozen=True)
+class Correlated:
+    """Of one run of blocks, place (n,): correlation of the flicker and covariance of the thermistor's part, (n, n)."""
+
+    place: NDArray[np.int64]
+    flicker: Array
+    thermistor: Array
 
 
 def flicker_correlation(apart: Array, shortest: float, duration: float) -> Array:

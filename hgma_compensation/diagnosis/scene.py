@@ -2,19 +2,21 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.diagnosis.blocks import Blocks
-from hgma_compensation.diagnosis.carried_memory import Ends, enough
+from hgma_compensation.diagnosis.carried_memory import Ends
 from hgma_compensation.diagnosis.runs import Run, read_earlier, read_smoothed, since_power_on
+from hgma_compensation.diagnosis.stepping import Path, walk
 from hgma_compensation.effects.conditions import Conditions
 from hgma_compensation.effects.effect import Effect
 from hgma_compensation.effects.memory import Bank
 from hgma_compensation.recording.recording import Series
-from hgma_compensation.stamps import Stamps, seconds_between
+from hgma_compensation.stamps import Stamps
 
 Array = NDArray[np.float64]
 
@@ -58,55 +60,72 @@ class Scene:
         """Return the columns (n, k) of each effect at the blocks; all memories move in one pass."""
         results: list[list[Array]] = [[] for _ in effects]
         bank = Bank([m for m in (e.memory() for e in effects if not e.per_sample) if m is not None])
-        ends = Ends(bank, self.limits) if self.carried else None
-        for number in range(len(self.runs)):
-            rows = np.flatnonzero(self.blocks.run == number)
-            if len(rows) or ends is not None:  # a run without blocks still moves the memories
-                for index, columns in enumerate(self._of_run(number, rows, effects, bank, ends)):
+        states = self._states(bank)
+        for number, rows in enumerate(self._rows):
+            if len(rows):
+                for index, columns in enumerate(self._of_run(number, effects, states[number], bank)):
                     results[index].append(columns)
         return [np.concatenate(parts) for parts in results]
 
-    def _of_run(
-        self, number: int, rows: NDArray[np.int64], effects: Sequence[Effect], bank: Bank, ends: "Ends | None"
-    ) -> list[Array]:
-        stamps = self.blocks.stamps[rows]
-        smooth_effects = [i for i, e in enumerate(effects) if not e.per_sample]
-        memories = [effects[i].memory() for i in smooth_effects]
-        states = self._states(number, bank, stamps, ends) if bank.size else np.empty((len(stamps), 0))
-        at = self.conditions(number, stamps, self._mean_acceleration(number, rows))
+    @cached_property
+    def _rows(self) -> tuple[NDArray[np.int64], ...]:
+        """The blocks of each run."""
+        return tuple(np.flatnonzero(self.blocks.run == number) for number in range(len(self.runs)))
+
+    @cached_property
+    def _at_blocks(self) -> tuple[Conditions, ...]:
+        """What effects answer to at the blocks of each run: the same whatever the effects are."""
+        parts = []
+        for number, rows in enumerate(self._rows):
+            acceleration = self._block_means(rows, np.nan_to_num(self.acceleration[number]))
+            parts.append(self.conditions(number, self.blocks.stamps[rows], acceleration))
+        return tuple(parts)
+
+    def _of_run(self, number: int, effects: Sequence[Effect], states: Array, bank: Bank) -> list[Array]:
+        """Return the columns (n, k) of each effect at the n blocks of a run; states: (n, m) of the bank."""
         places = iter(bank.columns)
-        results: list[Array] = [np.empty((len(rows), 0))] * len(effects)
-        for i, memory in zip(smooth_effects, memories, strict=True):
-            own = states[:, next(places)] if memory is not None else np.empty((len(rows), 0))
-            results[i] = effects[i].columns(at, own)
+        nothing = np.empty((len(states), 0))
+        results: list[Array] = [nothing] * len(effects)
         for i, effect in enumerate(effects):
-            if effect.per_sample:
-                results[i] = self._averaged(number, rows, effect)
+            if not effect.per_sample:
+                own = states[:, next(places)] if effect.memory() is not None else nothing
+                results[i] = effect.columns(self._at_blocks[number], own)
+        for driven in (False, True):
+            group = [i for i, e in enumerate(effects) if e.per_sample and e.input_driven is driven]
+            if group:
+                at = self._at_samples(number, driven)
+                for i in group:
+                    results[i] = self._averaged(number, at, effects[i])
         return results
 
-    def _states(self, number: int, bank: Bank, stamps: Stamps, ends: "Ends | None") -> Array:
-        """Return the bank's states (n, m) at stamps (n,), stepped along the smoothed temperature."""
-        run = self.runs[number].smoothed
-        temperature = np.clip(run.temperature, *self.limits)
-        used = enough(run.stamps)
-        temperature, stepped = temperature[used], run.stamps[used]
-        index = np.maximum(np.searchsorted(stepped, stamps, side="right") - 1, 0)
-        steps = np.diff(stepped, prepend=stepped[:1])[:, None] * 1e-9
-        state = bank.start(temperature[:1])[None] if ends is None else ends.start(run)
-        kept, wanted = np.empty((len(stamps), bank.size)), 0
-        for k in range(len(temperature)):
-            if k:
-                state = bank.advance(
-                    state, steps[k : k + 1], temperature[k - 1 : k, None], temperature[k : k + 1, None]
-                )
-            while wanted < len(index) and index[wanted] == k:
-                kept[wanted] = state[0]
-                wanted += 1
-        if ends is not None:
-            ends.keep(run, state)
-        at = np.clip(read_smoothed(run, stamps)[0], *self.limits)
-        age = np.maximum(seconds_between(stamps, stepped[index]), 0.0)
-        return bank.advance(kept, age[:, None], temperature[index][:, None], at[:, None])
+    def _states(self, bank: Bank) -> list[Array]:
+        """Return the bank's states (n, m) at the n blocks of each run, stepped along the smoothed temperature."""
+        if not bank.size:
+            return [np.empty((len(rows), 0)) for rows in self._rows]
+        if self.carried:
+            ends = Ends(bank, self.limits)
+            return [self._carried_on(bank, ends, path, run) for path, run in zip(self._paths, self.runs, strict=True)]
+        states = [np.empty((0, bank.size)) for _ in self.runs]
+        used = [number for number, rows in enumerate(self._rows) if len(rows)]
+        if used:
+            paths = [self._paths[number] for number in used]
+            starts = np.stack([bank.start(path.temperature[:1]) for path in paths])
+            for number, own in zip(used, walk(bank, paths, starts)[0], strict=True):
+                states[number] = own
+        return states
+
+    @cached_property
+    def _paths(self) -> tuple[Path, ...]:
+        """What memories are told on the way to the blocks of each run."""
+        pairs = zip(self.runs, self._rows, strict=True)
+        return tuple(Path.along(run.smoothed, self.limits, self.blocks.stamps[rows]) for run, rows in pairs)
+
+    @staticmethod
+    def _carried_on(bank: Bank, ends: Ends, path: Path, run: Run) -> Array:
+        """Return the states (n, m) where a path wants them, from where the run before ended."""
+        states, end = walk(bank, [path], ends.start(run.smoothed))
+        ends.keep(run.smoothed, end)
+        return states[0]
 
     def states_about(self, effect: Effect) -> list[tuple[Array, Array]]:
         """Return the states (m,) of an effect's memory at the start and at the end of each run, carried on."""
@@ -115,14 +134,11 @@ class Scene:
         bank = Bank([memory])
         ends = Ends(bank, self.limits)
         states = []
-        for number, run in enumerate(self.runs):
+        for path, run in zip(self._paths, self.runs, strict=True):
             start = ends.start(run.smoothed)[0]
-            self._states(number, bank, run.smoothed.stamps[:1], ends)
+            self._carried_on(bank, ends, path, run)
             states.append((start, ends.last))
         return states
-
-    def _mean_acceleration(self, number: int, rows: NDArray[np.int64]) -> Array:
-        return self._block_means(rows, np.nan_to_num(self.acceleration[number]))
 
     def _block_means(self, rows: NDArray[np.int64], samples: Array) -> Array:
         """Return the means (n, k) over blocks of one run of its samples (m, k)."""
@@ -130,19 +146,22 @@ class Scene:
         first, last = self.blocks.first[rows], self.blocks.last[rows]
         return np.asarray((sums[last] - sums[first]) / (last - first)[:, None])
 
-    def _averaged(self, number: int, rows: NDArray[np.int64], effect: Effect) -> Array:
-        """Return the mean over each block of columns that bend with the acceleration."""
-        recording, samples = self.runs[number].recording, self.acceleration[number]
-        if effect.input_driven:
-            samples = self._only_moving(number, rows, samples)
-        at = self.conditions(number, recording.stamps, samples)
-        memory = effect.acceleration_memory()
-        state = np.empty((len(recording.stamps), 0))
-        if memory is not None:
-            state = memory.run(memory.start(), recording.stamps, samples[:, CHANNELS.index(self.channel)])
-        return self._block_means(rows, effect.columns(at, state))
+    def _at_samples(self, number: int, driven: bool) -> Conditions:
+        """Return what effects that bend with the acceleration, or are driven by it, answer to at a run's samples."""
+        samples = self.acceleration[number]
+        if driven:
+            samples = self._only_moving(self._rows[number], samples)
+        return self.conditions(number, self.runs[number].recording.stamps, samples)
 
-    def _only_moving(self, number: int, rows: NDArray[np.int64], samples: Array) -> Array:
+    def _averaged(self, number: int, at: Conditions, effect: Effect) -> Array:
+        """Return the mean over each block of columns at a run's samples."""
+        memory = effect.acceleration_memory()
+        state = np.empty((len(at), 0))
+        if memory is not None:
+            state = memory.run(memory.start(), at.stamps, at.acceleration[:, CHANNELS.index(self.channel)])
+        return self._block_means(self._rows[number], effect.columns(at, state))
+
+    def _only_moving(self, rows: NDArray[np.int64], samples: Array) -> Array:
         """Return the acceleration with 0 where the channel is at rest: noise and drift are no input."""
         column = CHANNELS.index(self.channel)
         kept = np.zeros(len(samples), dtype=bool)

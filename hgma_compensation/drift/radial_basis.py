@@ -7,28 +7,43 @@ import numpy as np
 from hgma_compensation.drift.inputs import Array, InputScaling, weighted_sum
 
 
-def hidden_layer(inputs: Array, centres: Array, widths: Array) -> Array:
+def gaussians(inputs: Array, centres: Array, widths: Array) -> Array:
     """Return the Gaussian layer, Eq. (3): exp(-|x - c|² / 2σ²) with a width for each input.
 
-    inputs: (..., n, d). centres, widths: (..., m, d), widths > 0. Result: (..., n, m). Leading axes
-    are populations of networks. Summed input by input, so that each element is computed alike
-    whatever stands beside it.
+    inputs: (..., n, d). centres, widths: (..., m, d), widths > 0. Result: (..., m, n), a row for each
+    Gaussian: elementwise loops are fast along the samples, of which there are many. Leading axes are
+    populations of networks. Summed input by input, so that each element is computed alike whatever
+    stands beside it.
     """
-    exponent = np.zeros(
-        (*np.broadcast_shapes(inputs.shape[:-2], centres.shape[:-2]), inputs.shape[-2], centres.shape[-2])
-    )
-    for k in range(inputs.shape[-1]):
-        distance = (inputs[..., :, None, k] - centres[..., None, :, k]) / widths[..., None, :, k]
-        exponent += distance * distance
+    exponent = _squared_distance(inputs, centres, widths, 0)
+    for k in range(1, inputs.shape[-1]):
+        exponent += _squared_distance(inputs, centres, widths, k)
     exponent *= -0.5
     return np.exp(exponent, out=exponent)
 
 
+def _squared_distance(inputs: Array, centres: Array, widths: Array, k: int) -> Array:
+    """Return the squared distances (..., m, n) along input k, in widths."""
+    distance = np.asarray(inputs[..., None, :, k] - centres[..., k, None])
+    distance /= widths[..., k, None]
+    distance *= distance
+    return distance
+
+
+def hidden_layer(inputs: Array, centres: Array, widths: Array) -> Array:
+    """Return ``gaussians`` of the same arguments with a row for each sample, shape (..., n, m)."""
+    return np.ascontiguousarray(gaussians(inputs, centres, widths).swapaxes(-1, -2))
+
+
 def basis(inputs: Array, centres: Array, widths: Array) -> Array:
     """Return the regressors [hidden layer, 1, inputs], shape (..., n, m + 1 + d)."""
-    hidden = hidden_layer(inputs, centres, widths)
-    rows = hidden.shape[:-1]
-    return np.concatenate([hidden, np.ones((*rows, 1)), np.broadcast_to(inputs, (*rows, inputs.shape[-1]))], axis=-1)
+    hidden = gaussians(inputs, centres, widths).swapaxes(-1, -2)
+    m, d = hidden.shape[-1], inputs.shape[-1]
+    columns = np.empty((*hidden.shape[:-1], m + 1 + d))
+    columns[..., :m] = hidden
+    columns[..., m] = 1.0
+    columns[..., m + 1 :] = inputs
+    return columns
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ class Aging(Effect):
 
     name = "aging"
     title = "aging: drift with time"
+    slow = True
     spans: ClassVar[dict[str, Span]] = {
         "onset": Span("s", 10.0, 1e9),
         "origin": Span("ns", 0.0, 9.2e18, searched=False),

@@ -71,7 +71,9 @@ class Effect(ABC):
 
     Class variables describe the kind: name, as in calibration files; title, for people; spans of the parameters, one
     for each numeric field; needs; identified_by: what must vary in a recording; confused_with: names of effects that
-    look alike where it does not; gain_unit: unit of the gains over the channel's; per_sample: whether the columns
+    look alike where it does not; slow: whether the columns answer to the thermometers, the supply voltage and time
+    alone, and within a tenth of a second bend no more than they do, so that they need not be evaluated for each sample;
+    gain_unit: unit of the gains over the channel's; per_sample: whether the columns
     bend with the acceleration, so that they must be averaged and not be taken at the average; folds_in_time: whether
     time rather than temperature drives it; family: name under which a diagnosis reports it, "" for its own;
     input_driven: whether it answers to real acceleration along its own axis.
@@ -83,6 +85,7 @@ class Effect(ABC):
     needs: ClassVar[tuple[Need, ...]] = ()
     identified_by: ClassVar[str] = ""
     confused_with: ClassVar[tuple[str, ...]] = ()
+    slow: ClassVar[bool] = False
     gain_unit: ClassVar[str] = ""
     family: ClassVar[str] = ""
     per_sample: ClassVar[bool] = False

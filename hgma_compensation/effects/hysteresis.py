@@ -41,6 +41,7 @@ class Hysteresis(Effect):
 
     name = "hysteresis"
     title = "hysteresis in temperature, independent of the rate"
+    slow = True
     spans: ClassVar[dict[str, Span]] = {
         "threshold": Span("°C", 0.02, 60.0),
         "spread": Span("", 1.0, 10.0, searched=False),

@@ -27,6 +27,7 @@ class RateDependentHysteresis(Effect):
 
     name = "rate_dependent_hysteresis"
     title = "hysteresis in temperature that grows with the rate"
+    slow = True
     spans: ClassVar[dict[str, Span]] = {
         "exponent": Span("", 0.1, 2.0),
         "rate_floor": Span("°C/s", 1e-6, 1.0, searched=False),

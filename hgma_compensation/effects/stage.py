@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,8 @@ def channels_read(effect: Effect) -> tuple[str, ...]:
 class EffectStage:
     """Streaming sum of effects; a batch runs through the same steps.
 
-    On each channel the effects that do not bend with the acceleration are added up first, all of them seeing the
+    The slow effects are evaluated where their inputs change (``slow_drift``), and with each sample the rest. On each
+    channel the effects that do not bend with the acceleration are added up first, all of them seeing the
     acceleration less the drift model; then come those that do, in the order of the list, each seeing the acceleration
     less all before it. Other channels are seen less their drift model only, so that the order of channels is nothing.
     An acceleration is taken from the channel's reference, its value at rest.
@@ -32,7 +34,8 @@ class EffectStage:
         self.effects, self._columns = tuple(effects), columns_of(channels)
         self._references = np.array(references, dtype=np.float64)
         self.needs: frozenset[Need] = frozenset(need for applied in effects for need in applied.effect.needs)
-        self.history = max((applied.effect.history for applied in effects), default=0.0)
+        self.delays = frozenset(applied.effect.history for applied in effects if applied.effect.history > 0.0)
+        self.history = max(self.delays, default=0.0)
         parts = self._parts = [_Part(applied) for applied in effects]
         with_memory = [(part, part.memory) for part in parts if part.memory is not None]
         bank = Bank([memory for _, memory in with_memory])
@@ -40,9 +43,12 @@ class EffectStage:
             part.places = bank.columns[number]
         self.memory: TemperatureMemory | None = bank if bank.size else None
         self._driven = [part for part in parts if part.acceleration_memory is not None]
-        self._additive, self._bent = (
-            [[part for part in parts if part.on == (name, bends)] for name in channels] for bends in (False, True)
+        self._slow, self._additive, self._bent = (
+            [[part for part in parts if part.on == (name, kind)] for name in channels] for kind in _Kind
         )
+        fast = [part for part in parts if part.on[1] is not _Kind.SLOW]
+        self.has_slow, self.has_fast = len(fast) < len(parts), bool(fast)
+        self.fast_need_memory = any(len(part.places) for part in fast)
         self.reset()
 
     @property
@@ -57,33 +63,51 @@ class EffectStage:
         for part in self._driven:
             part.reset()
 
-    def drift(self, at: Conditions, states: Array) -> Array:
-        """Return the drift (n, c) that the effects make; moves the memories of the acceleration on by n samples.
+    def slow_drift(self, at: Conditions, states: Array) -> Array:
+        """Return the drift (n, c) that the slow effects make; what ``at`` says of the acceleration is not read.
 
-        at.acceleration: (n, 6), less the drift model in calibrated channels. states: (n, m) of ``memory``.
+        states: (n, m) of ``memory``.
         """
-        acceleration = at.acceleration.copy()
-        acceleration[:, self._columns] -= self._references
-        at = replace(at, acceleration=acceleration)
         drift = np.zeros((len(at), len(self._columns)))
+        for number, parts in enumerate(self._slow):
+            for part in parts:
+                drift[:, number] += part.drift(at, states)
+        return drift
+
+    def add_fast(self, drift: Array, at: Conditions, states: Array) -> None:
+        """Add to the drift (n, c) of the slow effects what the others make; moves their memories on by n samples.
+
+        at.acceleration: (n, 6), less the drift model in calibrated channels; it is used up. states: (n, m) of
+        ``memory``, (n, 0) where ``fast_need_memory`` is not set.
+        """
+        acceleration = at.acceleration
+        acceleration[:, self._columns] -= self._references
         for number, column in enumerate(self._columns):
             for part in self._additive[number]:
                 drift[:, number] += part.drift(at, states)
-            seen = _less(at, column, drift[:, number]) if self._bent[number] else at
+            if not self._bent[number]:
+                continue
+            before = acceleration[:, column].copy()
+            acceleration[:, column] -= drift[:, number]
             for part in self._bent[number]:
-                bent = part.drift(seen, states)
+                bent = part.drift(at, states)
                 drift[:, number] += bent
-                seen = _less(seen, column, bent)
-        return drift
+                acceleration[:, column] -= bent
+            acceleration[:, column] = before
+
+    def _from_rest(self, at: Conditions) -> Conditions:
+        """Return the conditions with the acceleration taken from the references."""
+        acceleration = at.acceleration.copy(order="K")
+        acceleration[:, self._columns] -= self._references
+        return replace(at, acceleration=acceleration)
 
     def columns(self, at: Conditions, states: Array) -> list[Array]:
         """Return the columns (n, k) of each effect, in the order of the list: what gains are fitted to.
 
-        Arguments as for ``drift``; the memories of the acceleration move on as there.
+        at.acceleration: (n, 6), less the drift model in calibrated channels; the memories of the acceleration move on.
+        states: (n, m) of ``memory``.
         """
-        acceleration = at.acceleration.copy()
-        acceleration[:, self._columns] -= self._references
-        at = replace(at, acceleration=acceleration)
+        at = self._from_rest(at)
         return [part.columns(at, states) for part in self._parts]
 
     def shares_memories(self, before: "EffectStage") -> bool:
@@ -117,6 +141,20 @@ class EffectStage:
             part.state = np.array([float(value) for value in state]).reshape(part.state.shape)
 
 
+class _Kind(Enum):
+    """When an effect is evaluated: where slow inputs change, or with each sample; before or after those that bend."""
+
+    SLOW = "slow"
+    ADDITIVE = "additive"
+    BENT = "bent"
+
+    @classmethod
+    def of(cls, effect: Effect) -> "_Kind":
+        if effect.slow:
+            return cls.SLOW
+        return cls.BENT if effect.per_sample else cls.ADDITIVE
+
+
 class _Part:
     """One effect with its places in the bank, and the state of its memory of the acceleration."""
 
@@ -125,7 +163,7 @@ class _Part:
         self.memory = effect.memory()
         self.acceleration_memory: AccelerationMemory | None = effect.acceleration_memory()
         self.places = np.empty(0, dtype=np.int64)
-        self.on = (applied.channel, effect.per_sample)
+        self.on = (applied.channel, _Kind.of(effect))
         self.applied, self._column = applied, column_of(applied.channel)
         self.state = np.empty(0)
 
@@ -157,13 +195,6 @@ class _Part:
             run = self.acceleration_memory.run(self.state, at.stamps, at.acceleration[:, self._column])
             self.state = run[-1].copy()
         return run if not len(self.places) else np.concatenate([known, run], axis=1)
-
-
-def _less(at: Conditions, column: int, drift: Array) -> Conditions:
-    """Return the conditions with a drift (n,) taken from the acceleration in a column."""
-    acceleration = at.acceleration.copy()
-    acceleration[:, column] -= drift
-    return replace(at, acceleration=acceleration)
 
 
 def _plain(state: Array) -> list[float | str]:

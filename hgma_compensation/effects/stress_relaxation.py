@@ -22,6 +22,7 @@ class StressRelaxation(Effect):
 
     name = "stress_relaxation"
     title = "stress relaxation (creep) of die attach or solder"
+    slow = True
     spans: ClassVar[dict[str, Span]] = {
         "time_constant": Span("s", 500.0, 2e5),
         "spread": Span("", 1.0, 10.0, searched=False),

@@ -22,6 +22,7 @@ class SupplyVoltage(Effect):
 
     name = "supply_voltage"
     title = "dependence on the supply voltage"
+    slow = True
     spans: ClassVar[dict[str, Span]] = {"nominal": _NOMINAL}
     needs = (Need.SUPPLY_VOLTAGE,)
     identified_by = "a logged supply voltage with steps of 1 % or more"

@@ -17,6 +17,7 @@ class ThermalGradient(Effect):
 
     name = "thermal_gradient"
     title = "temperature gradient across the package"
+    slow = True
     needs = (Need.TEMPERATURE_2,)
     identified_by = "a second thermometer, and heat from another side at the same temperature"
     confused_with = ("thermal_lag", "timing_offset")

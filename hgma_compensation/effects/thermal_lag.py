@@ -34,6 +34,7 @@ class ThermalLag(Effect):
 
     name = "thermal_lag"
     title = "thermal lag of the structure behind the thermistor"
+    slow = True
     spans: ClassVar[dict[str, Span]] = {
         "time_constant": Span("s", 1.0, 1500.0),
         **MAP_SPANS,

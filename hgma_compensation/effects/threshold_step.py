@@ -22,6 +22,7 @@ class ThresholdStep(Effect):
 
     name = "threshold_step"
     title = "step at a temperature"
+    slow = True
     spans: ClassVar[dict[str, Span]] = {
         "temperature": Span("°C", -100.0, 250.0),
         "width": Span("°C", 0.01, 20.0, searched=False),

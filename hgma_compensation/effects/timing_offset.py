@@ -24,6 +24,7 @@ class TimingOffset(Effect):
 
     name = "timing_offset"
     title = "offset between the stamps of thermistor and accelerometer"
+    slow = True
     spans: ClassVar[dict[str, Span]] = {"delay": Span("s", 0.1, 120.0), **MAP_SPANS}
     identified_by = "sharp corners between ramps and soaks, or the ripple of an oven's controller"
     confused_with = ("thermal_lag", "thermal_gradient")

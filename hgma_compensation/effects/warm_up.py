@@ -26,6 +26,7 @@ class WarmUp(Effect):
 
     name = "warm_up"
     title = "warm-up after power-on"
+    slow = True
     spans: ClassVar[dict[str, Span]] = {
         "time_constant": Span("s", 5.0, 14400.0),
         "spread": Span("", 1.0, 10.0, searched=False),

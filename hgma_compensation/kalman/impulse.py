@@ -8,6 +8,11 @@ the output over a shock is that of the input, and its peak is left alone.
 
 from collections import deque
 
+import numpy as np
+from numpy.typing import NDArray
+
+from hgma_compensation.kalman.quiet import sum_in_order
+
 LOOK_BACK = 1024
 """Samples before an opening whose integral is made good."""
 
@@ -30,13 +35,23 @@ class ImpulseDebt:
         self._withheld: deque[float] = deque(maxlen=LOOK_BACK)
         self._owed = self._instalment = 0.0
 
+    @property
+    def owes(self) -> bool:
+        """Whether there is anything to pay."""
+        return self._owed != 0.0
+
     def withhold(self, impulse: float) -> None:
         """Note what one sample's output lacks: (input - output) · dt."""
         self._withheld.append(impulse)
 
+    def withhold_all(self, impulses: NDArray[np.float64]) -> None:
+        """Note what outputs (n,) lack."""
+        self._withheld.extend(impulses[-LOOK_BACK:].tolist())
+
     def call_in(self) -> None:
         """The gate has opened: owe what the samples before it lack."""
-        self._owed += sum(self._withheld)
+        if self._withheld:
+            self._owed += sum_in_order(self._withheld)
         self._instalment = abs(self._owed) / INSTALMENTS
         self._withheld.clear()
 
@@ -48,3 +63,12 @@ class ImpulseDebt:
         # The last instalment is what is left, so the debt ends at exactly nothing.
         self._owed -= impulse
         return impulse / dt
+
+    def pay_all(self, dt: float | NDArray[np.float64], normalised: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return what to add to the outputs (n,) of samples of length dt, (n,) or one for all: as ``pay`` does."""
+        payments = np.zeros(len(normalised))
+        for k in np.flatnonzero(np.abs(normalised) <= CALM).tolist():
+            if not self.owes:
+                break
+            payments[k] = self.pay(dt if isinstance(dt, float) else float(dt[k]), float(normalised[k]))
+        return payments

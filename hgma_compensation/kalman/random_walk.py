@@ -2,16 +2,19 @@
 
 State: a level x, x' = x + w. Measured: z = x + v. The white noise of the sensor and the random walk
 of the state are given as densities, so the filter means the same at every sampling rate:
-R = N² / dt, Q = q² dt. The gain varies until it has settled, by the Riccati recursion with the real
-time steps.
+R = N² / dt, Q = q² dt. The gain varies until it has settled, by the Riccati recursion with the time
+steps as intervals.py takes them.
 """
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hgma_compensation.stamps import Stamps, seconds_between
+from hgma_compensation.kalman.low_pass import low_pass_step
+
+Number = TypeVar("Number", float, NDArray[np.float64])
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,15 @@ class RandomWalkNoise:
         return cls(white=white, walk=white / seconds)
 
 
+def kalman_gain(predicted: Number, sample_variance: Number) -> Number:
+    """Return K = V / (V + R) of a predicted variance V and that of the sample, R: Eq. (9).
+
+    Written with operations that are monotone in V after rounding too, as K R is, the variance after the sample. So
+    the variance at an even interval moves in one direction until it stands still to the last bit, and cannot cycle.
+    """
+    return 1.0 / (1.0 + sample_variance / predicted)
+
+
 class RandomWalkFilter:
     """One channel's estimate and its variance, moved by the caller from sample to sample."""
 
@@ -52,42 +64,25 @@ class RandomWalkFilter:
         """Begin at an estimate; without a variance it is a sample whose own interval is unknown."""
         self.started, self.estimate, self.variance = True, estimate, variance
 
-    def sample_variance(self, dt: float) -> float:
-        """Return R of a sample that averages over dt (s)."""
-        return self._white / dt
+    def sample_variance(self, averaged: Number) -> Number:
+        """Return R of samples that average over so many s."""
+        return self._white / averaged
 
-    def predict(self, dt: float, averaged: float | None = None) -> float:
+    def added_variance(self, dt: Number) -> Number:
+        """Return Q, which the walk adds within dt (s)."""
+        return self._walk * dt
+
+    def predict(self, dt: float, sample_variance: float) -> float:
         """Let dt (s, > 0) pass and return the variance of the innovation to come: Eqs. (7), (8).
 
-        The level is predicted unchanged. A first sample of unknown interval is given the noise of the
-        second. averaged: s that the sample averages over, where that is not dt.
+        The level is predicted unchanged. A first sample of unknown interval is given the noise of the second.
         """
-        sample_variance = self._white / (dt if averaged is None else averaged)
-        self.variance = (sample_variance if self.variance is None else self.variance) + self._walk * dt
+        self.variance = (sample_variance if self.variance is None else self.variance) + self.added_variance(dt)
         return self.variance + sample_variance
 
-    def correct(self, innovation: float, innovation_variance: float) -> None:
+    def correct(self, measured: float, sample_variance: float) -> None:
         """Take the measurement in: Eqs. (9) to (11)."""
         assert self.variance is not None
-        gain = self.variance / innovation_variance  # Eq. (9)
-        self.estimate += gain * innovation  # Eq. (10)
-        self.variance = (1.0 - gain) * self.variance  # Eq. (11)
-
-
-def filter_samples(
-    noise: RandomWalkNoise, stamps: Stamps, measured: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return estimates and innovations, each (n,), of the plain filter over measurements (n,) at stamps (ns).
-
-    No gate: real acceleration is smoothed away with the noise. For comparison, and for records at rest.
-    """
-    level = RandomWalkFilter(noise)
-    level.start(float(measured[0]))
-    estimates, innovations = np.array(measured, dtype=np.float64), np.zeros(len(measured))
-    steps = seconds_between(stamps[1:], stamps[:-1]).tolist()
-    for k, (dt, z) in enumerate(zip(steps, measured[1:].tolist(), strict=True), start=1):
-        innovation_variance = level.predict(dt)
-        innovations[k] = z - level.estimate
-        level.correct(innovations[k], innovation_variance)
-        estimates[k] = level.estimate
-    return estimates, innovations
+        gain = kalman_gain(self.variance, sample_variance)
+        self.estimate = low_pass_step(self.estimate, 1.0 - gain, measured)  # Eq. (10)
+        self.variance = gain * sample_variance  # Eq. (11): (1 - K) V = K R

@@ -36,11 +36,14 @@ class CalibrationParameter:
         return str(self._node.get_parameter(NAME).value)
 
     def read(self) -> Prepared | None:
-        """Return the calibration of the path that is set, None where none is set or it is refused."""
+        """Return the calibration of the path that is set, None where none is set or it is refused.
+
+        For a node without topics: no stream is served meanwhile.
+        """
         if not self.path:
             return None
         try:
-            prepared = self._loader.load(self.path)
+            prepared = self._loader.load_before_stream(self.path)
         except RefusedError as refusal:
             self._refuse(str(refusal))
             return None

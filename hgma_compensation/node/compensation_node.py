@@ -1,6 +1,7 @@
 """The managed node ``compensation_node``."""
 
 from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import Trigger
 
@@ -18,6 +19,9 @@ from hgma_compensation.pipeline.status import UNUSABLE
 from hgma_msgs.srv import LoadCalibration
 
 DIAGNOSTIC_PERIOD = 1.0
+
+TICK = 0.5
+"""s of wall time within which a driver that cannot be heard is noticed."""
 
 
 class CompensationNode(ManagedNode):
@@ -37,18 +41,23 @@ class CompensationNode(ManagedNode):
         self._live = LiveCompensation()
         if self.get_parameter(parameters.ON_BAD_TEMPERATURE.name).value == "stop":
             self._live.stop_on = UNUSABLE
-        self._streams = Streams(self, self._live, frame_id=str(self.get_parameter(parameters.FRAME_ID.name).value))
+        frame_id, state_rate = (
+            self.get_parameter(row.name).value for row in (parameters.FRAME_ID, parameters.STATE_RATE)
+        )
+        self.streams = Streams(self, self._live, frame_id=frame_id, state_rate=state_rate)
         self._keeper = StateKeeper(self, self._live)
         self._state = "unconfigured"
-        self._loader = CalibrationLoader(self, self._live, self._streams.serve)
+        self._loader = CalibrationLoader(self, self._live, self.streams.serve)
         self._calibration = CalibrationParameter(self, self._loader, self._accept)
         self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
         self.create_service(Trigger, "~/reset", self._on_reset)
         name = f"{self.get_fully_qualified_name().lstrip('/')}: compensation"
-        self._report = DiagnosticReport(name, [self._keeper, self._streams.endpoints.events, self._streams.latency])
+        self._report = DiagnosticReport(name, [self._keeper, self.streams.endpoints.events, self.streams.latency])
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._ros_clock = RosClock(self, self._live.counts)
         self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics)
+        # On the steady clock: simulated time may stand still because of what the events tell.
+        self.create_timer(TICK, self._on_tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def start(self) -> None:
         """Configure and activate, unless the parameter autostart is false."""
@@ -71,7 +80,7 @@ class CompensationNode(ManagedNode):
                 return TransitionCallbackReturn.FAILURE
             self._use(prepared)
         self._keeper.begin()
-        self._streams.open()
+        self.streams.open()
         parameters.warn_of_unknown(self, qos=True)
         self._enter("inactive")
         return super().on_configure(state)
@@ -96,7 +105,7 @@ class CompensationNode(ManagedNode):
     @reported
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Close the topics and forget calibration and history."""
-        self._streams.close()
+        self.streams.close()
         self._keeper.finish()
         self._live.remove_calibration()
         self._live.reset()
@@ -106,7 +115,7 @@ class CompensationNode(ManagedNode):
     @reported
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Close the topics."""
-        self._streams.close()
+        self.streams.close()
         self._keeper.finish()
         self._enter("finalized")
         return super().on_shutdown(state)
@@ -122,10 +131,11 @@ class CompensationNode(ManagedNode):
         """Save what is to be kept over a restart, and end."""
         self._loader.close()
         self._keeper.finish()
+        self.streams.endpoints.waiting.close()
         super().destroy_node()
 
     def _enter(self, state: str) -> None:
-        self._state, self._streams.publishing = state, state == "active"
+        self._state, self.streams.publishing = state, state == "active"
 
     # Calibration, reset, diagnostics ----------------------------------------------------------------
 
@@ -139,11 +149,12 @@ class CompensationNode(ManagedNode):
     def _use(self, prepared: Prepared) -> None:
         """Swap the calibration; callbacks run one at a time, so this happens between two samples."""
         self._live.adopt(prepared)
+        self.streams.states.reset()
         # The log, and rclpy's announcement and answer after it, take a sample's time each: what came goes before them.
-        self._streams.serve()
+        self.streams.serve()
         calibration = prepared.pipeline.calibration
         self.get_logger().info(f"using calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
-        self._streams.serve()
+        self.streams.serve()
 
     def _on_load(
         self, request: LoadCalibration.Request, response: LoadCalibration.Response
@@ -159,9 +170,14 @@ class CompensationNode(ManagedNode):
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._live.reset()
+        self.streams.states.reset()
         cleared = "filter, memories and history cleared, calibration kept"
         response.success, response.message = True, cleared + self._keeper.discard()
         return response
+
+    def _on_tick(self) -> None:
+        self.streams.endpoints.take_events()
+        self._loader.start_process()
 
     def _on_diagnostics(self) -> None:
         elapsed = self._ros_clock.elapsed()

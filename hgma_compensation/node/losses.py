@@ -1,12 +1,11 @@
 """Messages that were sent and never arrived, seen by the gaps in their publishers' numbering."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator
-from typing import Any, TypedDict
+from collections.abc import Callable
+from typing import TypedDict
 
 from rclpy.subscription import Subscription
 
-from hgma_compensation.node.interfaces import take_waiting
 from hgma_compensation.pipeline.transport import lost_name
 
 
@@ -45,25 +44,28 @@ class SequenceGaps:
 
 
 class CountedInput:
-    """A subscription's messages on their way to the node; counts those that are missing among them."""
+    """A subscription's messages on their way to the node, as bytes; counts those that are missing among them."""
 
-    def __init__(self, topic: str, counts: Counter[str]) -> None:
+    def __init__(self, topic: str, counts: Counter[str], subscription: Subscription) -> None:
         """Count under the topic's name."""
         self._name, self._counts = lost_name(topic), counts
+        self._subscription = subscription
         self._gaps = SequenceGaps()
-        self.subscription: Subscription | None = None
 
-    def saw(self, info: MessageInfo) -> None:
-        """Note the number of a message that the executor took."""
+    def take(self, most: int) -> list[bytes]:
+        """Return up to ``most`` messages that wait, oldest first."""
+        # Only the caller's thread destroys the subscription, so that its handle need not be held for each message.
+        subscription, raws = self._subscription, list[bytes]()
+        take = subscription.handle.take_message
+        while len(raws) < most and (taken := take(subscription.msg_type, True)) is not None:
+            raws.append(taken[0])
+            self._saw(taken[1])
+        return raws
+
+    def _saw(self, info: MessageInfo) -> None:
+        """Note the number of a message."""
         number = info["publication_sequence_number"]
-        if number is None or self.subscription is None:
+        if number is None:
             return
-        if lost := self._gaps.add(number, self.subscription.get_publisher_count):
+        if lost := self._gaps.add(number, self._subscription.get_publisher_count):
             self._counts[self._name] += lost
-
-    def drain(self) -> Iterator[Any]:
-        """Yield the messages that wait, oldest first."""
-        if self.subscription is not None:
-            for message, info in take_waiting(self.subscription):
-                self.saw(info)
-                yield message

@@ -1,5 +1,6 @@
 """Entry point of ``compensation_node`` and ``hgma node``; imports nothing of ROS before signals are caught."""
 
+import gc
 import signal
 import sys
 import threading
@@ -17,6 +18,9 @@ def main(args: Sequence[str] | None = None) -> int:
     parameters are refused.
     """
     stop = stop_signals()
+    # Loading makes objects and no garbage: to search among them again and again would delay the start. See
+    # share_interpreter, which allows it again.
+    gc.disable()
     try:
         return _run(list(args) if args is not None else sys.argv, stop)
     except RefusedError as refusal:

@@ -1,6 +1,5 @@
 """The node's parameters: one table, and what is said of values and names that do not fit it."""
 
-import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -10,6 +9,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.pipeline.state_rate import DEFAULT_RATE
 
 Value = bool | int | float | str
 
@@ -93,6 +93,13 @@ STATE_MAX_AGE = ParameterRow(
     read_only=True,
     bounds=(0.0, 1e7),
 )
+STATE_RATE = ParameterRow(
+    "state_rate",
+    DEFAULT_RATE,
+    "States (accel/state) in a second of stamps, besides one at each change of status; 0: one with every sample",
+    read_only=True,
+    bounds=(0.0, 1e6),
+)
 USE_SIM_TIME = ParameterRow("use_sim_time", False, "Take the time of the diagnostics from /clock")
 
 PARAMETERS = (
@@ -102,6 +109,7 @@ PARAMETERS = (
     AUTOSTART,
     FRAME_ID,
     ON_BAD_TEMPERATURE,
+    STATE_RATE,
     STATE_FILE,
     STATE_PERIOD,
     STATE_MAX_AGE,
@@ -160,6 +168,8 @@ def check_qos_override(name: str, value: object) -> None:
 
 def unknown_names(names: Iterable[str], declared: Iterable[str]) -> dict[str, str]:
     """Return the names that are not declared, each with the nearest one that is, "" where none is near."""
+    import difflib  # which a start without a mistake does not wait for
+
     known = sorted(declared)
     return {name: next(iter(difflib.get_close_matches(name, known, 1)), "") for name in names if name not in known}
 

@@ -15,7 +15,7 @@ from rosgraph_msgs.msg import Clock
 
 from hgma_compensation import topics
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.node.interfaces import OUTPUT_QOS, SETTLING
+from hgma_compensation.node.interfaces import SETTLING, output_qos
 from hgma_compensation.node.message_types import message_class
 from hgma_compensation.progress import Advance, counted
 from hgma_compensation.recording.bag_reader import open_bag, read_messages
@@ -80,9 +80,8 @@ class Player:
         except (ValueError, AttributeError, ModuleNotFoundError):
             self._node.get_logger().warning(f"{connection.topic} is not played: {connection.msgtype} is not installed")
             return None
-        return self._node.create_publisher(
-            message_type, self._published.get(connection.topic, connection.topic), OUTPUT_QOS
-        )
+        topic = self._published.get(connection.topic, connection.topic)
+        return self._node.create_publisher(message_type, topic, output_qos(topic))
 
     def _wait(self, publishers: Sequence[Any]) -> None:
         """Wait until every topic of the node that is played has a subscriber, at most ``wait`` s."""

@@ -1,25 +1,37 @@
 """The life of the node's process: start, spin, end."""
 
+import ctypes
 import gc
 import sys
 import threading
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
 
 import rclpy
 from rclpy.exceptions import ParameterException
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.node.compensation_node import CompensationNode
-from hgma_compensation.node.managed_node import described
+from hgma_compensation.kalman.low_pass import LFILTER
 
-STOP_LATENCY = 0.2
-"""s after which a signal is noticed at the latest."""
+if TYPE_CHECKING:  # else imported while DDS looks for its peers
+    from hgma_compensation.node.compensation_node import CompensationNode
+    from hgma_compensation.node.waiting_executor import WaitingExecutor
+
+STOP_LATENCY = 200_000_000
+"""ns after which a signal is noticed at the latest."""
 
 FAILED = 1
+
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
+"""Numbers of glibc's malloc.h."""
+
+KEPT = 64 << 20
+"""Bytes of free memory that stay with the process: some blocks of a hundred thousand samples."""
 
 GIVE_WAY = 1e-4
 """s for which the thread that saves the memory may keep the interpreter from the one that compensates."""
@@ -36,8 +48,11 @@ def run(args: Sequence[str], stop: threading.Event) -> int:
         # rclpy's own handlers wake the executor from a thread of theirs, which races with its destruction and
         # crashes about one end in twenty (Jazzy, 7.1.6).
         _initialise(args)
-        node = _create()
-        executor = SingleThreadedExecutor()
+        with _discovery():
+            node = _create()
+        from hgma_compensation.node.waiting_executor import WaitingExecutor
+
+        executor = WaitingExecutor(node.streams.endpoints.waiting.wake)
         executor.add_node(node)
         try:
             return _spin(node, executor, stop)
@@ -57,7 +72,27 @@ def _initialise(args: Sequence[str]) -> None:
         raise RefusedError(f"arguments: {_cause(error)}") from error
 
 
-def _create() -> CompensationNode:
+@contextmanager
+def _discovery() -> Iterator[None]:
+    """Let DDS look for its peers from now on, which takes as long as it takes to load the rest of this program.
+
+    It begins with the first node of a context. Names that begin with an underscore are hidden from ``ros2 node list``.
+    """
+    first = rclpy.create_node(
+        "_compensation_node_start",
+        use_global_arguments=False,
+        enable_rosout=False,
+        start_parameter_services=False,
+    )
+    try:
+        yield
+    finally:
+        first.destroy_node()
+
+
+def _create() -> "CompensationNode":
+    from hgma_compensation.node.compensation_node import CompensationNode
+
     try:
         return CompensationNode()
     except (ParameterException, rclpy_implementation.RCLError) as error:
@@ -69,27 +104,43 @@ def _cause(error: Exception) -> str:
     return str(error).partition(", at /")[0].strip()
 
 
-def _spin(node: CompensationNode, executor: SingleThreadedExecutor, stop: threading.Event) -> int:
-    """Serve callbacks; an exception out of one is a defect of this program, and ends it.
+def _spin(node: "CompensationNode", executor: "WaitingExecutor", stop: threading.Event) -> int:
+    """Serve samples and callbacks, all in this thread; an exception is a defect of this program, and ends it.
 
     What a half-finished callback leaves of filter and memories is unknown, and output computed from it would look like
     any other: whoever started the process sees it fail, and starts it anew from a known state.
     """
     try:
         node.start()
+        keep_memory()
         share_interpreter()
-        while not stop.is_set() and rclpy.ok():
-            executor.spin_once(timeout_sec=STOP_LATENCY)
+        executor.start()
+        streams, waiting = node.streams, node.streams.endpoints.waiting
+        while not stop.is_set():
+            if waiting.wait(STOP_LATENCY):
+                streams.serve()
+            executor.spin_once()
     except ExternalShutdownException:
         pass
     except Exception as error:
+        from hgma_compensation.node.managed_node import described
+
         node.get_logger().fatal(f"internal error, the node ends: {described(error)}\n{traceback.format_exc()}")
         return FAILED
     return 0
 
 
+def keep_memory() -> None:
+    """Let the memory of a block serve the next one; glibc would give it back each time, and have it cleared anew."""
+    with suppress(OSError, AttributeError):  # another libc has no such settings
+        mallopt = ctypes.CDLL(None).mallopt
+        mallopt(M_TRIM_THRESHOLD, KEPT)
+        mallopt(M_MMAP_THRESHOLD, KEPT)
+
+
 def share_interpreter() -> None:
-    """Let no other thread, and no search for garbage among all that was imported, hold up the stream for long."""
+    """Let nothing else hold up the stream for long: no thread, no import, no search for garbage among the imports."""
+    LFILTER.wait = False
     sys.setswitchinterval(GIVE_WAY)
-    gc.collect()
     gc.freeze()
+    gc.enable()

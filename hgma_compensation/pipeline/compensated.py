@@ -2,36 +2,148 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 
-@dataclass(frozen=True)
+
+class Slow(Protocol):
+    """What the slow inputs say of n samples and c channels; arrays may be computed when they are asked for."""
+
+    @property
+    def ordinary(self) -> bool:
+        """Whether every status is OK."""
+        ...
+
+    @property
+    def features(self) -> Array:
+        """(n, 3) before clamping."""
+        ...
+
+    @property
+    def inside_range(self) -> NDArray[np.bool_]:
+        """(n,) whether the features lie in the calibrated range."""
+        ...
+
+    @property
+    def status(self) -> NDArray[np.uint8]:
+        """(n,) TemperatureStatus."""
+        ...
+
+    @property
+    def uncertainty(self) -> Array:
+        """(n, c) standard deviation of the drift."""
+        ...
+
+
 class Compensated:
     """Result for n samples and c channels, in the order of the calibration.
 
     values: compensated, (n, c). drift: what was subtracted, (n, c). innovation: of the Kalman stage,
-    (n, c), 0 where it is off. features: (n, 3) before clamping; the middle of the calibrated range where
-    the temperature is missing. inside_range: (n,). status: (n,) TemperatureStatus. uncertainty: standard deviation
-    of the drift, (n, c).
+    (n, c), 0 where it is off. unfiltered: raw less drift, (n, c).
     """
 
-    values: NDArray[np.float64]
-    drift: NDArray[np.float64]
-    innovation: NDArray[np.float64]
-    features: NDArray[np.float64]
-    inside_range: NDArray[np.bool_]
-    status: NDArray[np.uint8]
-    uncertainty: NDArray[np.float64]
+    FIELDS = ("values", "drift", "innovation", "features", "inside_range", "status", "uncertainty")
+    """All that splitting the samples over calls must not change."""
 
-    def added_variance(self, row: int) -> NDArray[np.float64] | None:
+    def __init__(self, values: Array, drift: Array, innovation: Array, unfiltered: Array, slow: Slow) -> None:
+        """Take arrays, and what the slow inputs say."""
+        self.values, self.drift, self.innovation, self.unfiltered = values, drift, innovation, unfiltered
+        self._slow = slow
+
+    @property
+    def ordinary(self) -> bool:
+        """Whether the temperature of all samples is what the calibration knows, so that every status is OK."""
+        return self._slow.ordinary
+
+    @property
+    def features(self) -> Array:
+        """Features (n, 3) before clamping; the middle of the calibrated range where the temperature is missing."""
+        return self._slow.features
+
+    @property
+    def inside_range(self) -> NDArray[np.bool_]:
+        """Whether the features lie in the calibrated range, (n,)."""
+        return self._slow.inside_range
+
+    @property
+    def status(self) -> NDArray[np.uint8]:
+        """TemperatureStatus (n,)."""
+        return self._slow.status
+
+    @property
+    def uncertainty(self) -> Array:
+        """Standard deviation of the drift, (n, c)."""
+        return self._slow.uncertainty
+
+    def added_variance(self, row: int) -> Array | None:
         """Return by what (c,) a sample's variances grow; None where the temperature is what the calibration knows."""
-        return self.uncertainty[row] ** 2 if self.status[row] else None
+        if self.ordinary or not self.status[row]:
+            return None
+        return np.asarray(self.uncertainty[row] ** 2)
+
+    def take(self, rows: NDArray[np.int64]) -> "Compensated":
+        """Return the results of some samples (k,)."""
+        slow = _Given(self.features[rows], self.inside_range[rows], self.status[rows], self.uncertainty[rows])
+        return Compensated(self.values[rows], self.drift[rows], self.innovation[rows], self.unfiltered[rows], slow)
+
+
+class _Joined:
+    """What the slow inputs say of consecutive samples."""
+
+    def __init__(self, parts: Sequence[Compensated]) -> None:
+        self._parts = parts
+        self.ordinary = all(part.ordinary for part in parts)
+
+    def _join(self, name: str) -> NDArray[Any]:
+        return np.concatenate([getattr(part, name) for part in self._parts])
+
+    @cached_property
+    def features(self) -> Array:
+        return self._join("features")
+
+    @cached_property
+    def inside_range(self) -> NDArray[np.bool_]:
+        return self._join("inside_range")
+
+    @cached_property
+    def status(self) -> NDArray[np.uint8]:
+        return self._join("status")
+
+    @cached_property
+    def uncertainty(self) -> Array:
+        return self._join("uncertainty")
 
 
 def joined(parts: Sequence[Compensated]) -> Compensated:
     """Return the results of consecutive samples as one."""
-    return Compensated(
-        *(np.concatenate([getattr(part, name) for part in parts]) for name in Compensated.__dataclass_fields__)
+    values, drift, innovation, unfiltered = (
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("values", "drift", "innovation", "unfiltered")
     )
+    return Compensated(values, drift, innovation, unfiltered, _Joined(parts))
+
+
+@dataclass(frozen=True)
+class _Given:
+    """What the slow inputs say, as arrays."""
+
+    features: Array
+    inside_range: NDArray[np.bool_]
+    status: NDArray[np.uint8]
+    uncertainty: Array
+
+    @property
+    def ordinary(self) -> bool:
+        return not self.status.any()
+
+
+def zeros(samples: int, channels: int) -> Compensated:
+    """Return a result in which everything is 0, for no sample or as a form to be filled in."""
+    none = np.zeros((samples, channels))
+    slow = _Given(np.zeros((samples, 3)), np.zeros(samples, dtype=np.bool_), np.zeros(samples, dtype=np.uint8), none)
+    return Compensated(none, none, none, none, slow)

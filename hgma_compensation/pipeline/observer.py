@@ -34,17 +34,25 @@ class Observer:
         """Forget what the sensor showed at rest."""
         self._rest.reset()
 
-    def observe(self, stamps: Stamps, values: NDArray[np.float64], result: Compensated) -> None:
-        """Take what became of samples, values (n, c) at stamps (n,) in ns."""
-        for cut in list(self._pipeline.cuts):
-            self._counts[cut.value] += self._pipeline.cuts.pop(cut)
-        for status in result.status[result.status > 0].tolist():
-            self._counts[status_name(TemperatureStatus(status))] += 1
-        newest = int(stamps[-1])
+    def observe(self, stamps: Stamps, result: Compensated) -> None:
+        """Take what became of samples at stamps (n > 0,) in ns."""
+        if self._pipeline.cuts:
+            for cut in list(self._pipeline.cuts):
+                self._counts[cut.value] += self._pipeline.cuts.pop(cut)
+        usable = result.ordinary or self._usable(result.status)
         for need in self._pipeline.inputs.wanted:
-            if (note := _absence(need, self._pipeline.inputs.updates(need).last, newest)) is not None:
-                self._counts[note.value] += len(stamps)
-        self._rest.take(stamps, values - result.drift, result.features[:, 0], usable=not result.status.any())
+            note, count = _absence(need, self._pipeline.inputs.updates(need).last, stamps)
+            if count:
+                self._counts[note.value] += count
+        self._rest.take(stamps, result.unfiltered, result, usable=usable)
+
+    def _usable(self, status: NDArray[np.uint8]) -> bool:
+        """Count each status (n,) but OK, and return whether there is no other."""
+        found = np.bincount(status).tolist()
+        for number, count in enumerate(found[1:], start=1):
+            if count:
+                self._counts[status_name(TemperatureStatus(number))] += count
+        return len(found) == 1
 
     @property
     def temperature_unchanged(self) -> float:
@@ -68,10 +76,12 @@ class Observer:
         return [("thermistor_behind_seconds", f"{self.thermistor_behind:.3f}"), *self._health.values()]
 
 
-def _absence(need: Need | None, last: int | None, now: int) -> Note | None:
-    """Return what is to be said of an input whose newest sample came at ``last``, with the accelerometer at ``now``."""
+def _absence(need: Need | None, last: int | None, stamps: Stamps) -> tuple[Note, int]:
+    """Return what may be said of an input whose newest sample came at ``last``, and of how many samples it is true."""
     if need is None:
-        return Note.TEMPERATURE_AHEAD if last is not None and last - now > LONGEST_LEAD else None
+        if last is None or last - int(stamps[0]) <= LONGEST_LEAD:
+            return Note.TEMPERATURE_AHEAD, 0
+        return Note.TEMPERATURE_AHEAD, int(np.count_nonzero(last - stamps > LONGEST_LEAD))
     if last is None:
-        return MISSING[need]
-    return STALE[need] if now - last > POWER_OFF else None
+        return MISSING[need], len(stamps)
+    return STALE[need], int(np.count_nonzero(stamps - last > POWER_OFF))

@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import CHANNELS, columns_of
-from hgma_compensation.effects.effect import Need
+from hgma_compensation.effects.effect import Need, no_memory
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.stage import Consistency, KalmanStage
-from hgma_compensation.pipeline.compensated import Compensated, joined
+from hgma_compensation.pipeline.compensated import Compensated, joined, zeros
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG, Inputs
-from hgma_compensation.pipeline.status import temperature_status
+from hgma_compensation.pipeline.screening import increases
+from hgma_compensation.pipeline.slow_drift import SlowDrift
+from hgma_compensation.pipeline.slow_samples import FEW, SlowSamples
 from hgma_compensation.pipeline.stretches import Cut, Stretches
 from hgma_compensation.pipeline.time_lines import TimeLines
 from hgma_compensation.pipeline.uncertainty import DriftUncertainty
@@ -49,7 +51,9 @@ class Pipeline:
             None if channel.filter.noise is None else KalmanStage(channel.filter, channel.reference)
             for channel in calibration.channels
         ]
+        self._filtered = any(stage is not None for stage in self._filters)
         self._uncertainty = DriftUncertainty(calibration)
+        self._slow = SlowDrift(calibration, self.stage)
         self._stretches = Stretches()
         self._before_gap: tuple[list[KalmanStage | None], list[Any]] = (self._filters, self.stage.snapshot())
         self.cuts: Counter[Cut] = Counter()
@@ -73,6 +77,17 @@ class Pipeline:
     def take_consistency(self) -> list[Consistency]:
         """Return for each channel what the innovations of its Kalman stage were like since the last call."""
         return [Consistency() if stage is None else stage.take_consistency() for stage in self._filters]
+
+    def only_go_on(self, stamps: Stamps) -> bool:
+        """Return whether increasing stamps (n > 0,) in ns follow on those before without a gap."""
+        return self._stretches.only_go_on(stamps)
+
+    def columns_of(self, imu: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the calibrated channels (n, c) out of columns CHANNELS (n, 6), a view where they lie side by side."""
+        first, last = self._columns[0], self._columns[-1]
+        if self._columns == list(range(first, last + 1)):
+            return imu[:, first : last + 1]
+        return imu[:, self._columns]
 
     def reset(self) -> None:
         """Forget all inputs, memories and filter states; the calibration stays."""
@@ -139,21 +154,33 @@ class Pipeline:
         return self.add(Need.SUPPLY_VOLTAGE, stamp, volts)
 
     def compensate(
-        self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None = None
+        self,
+        stamps: Stamps,
+        values: NDArray[np.float64],
+        imu: NDArray[np.float64] | None = None,
+        *,
+        ordered: bool | None = None,
     ) -> Compensated:
         """Compensate finite samples, values (n, c) at stamps (n,) in ns.
 
-        imu: (n, 6), columns CHANNELS, needed where an effect reads a channel that is not calibrated. Splitting the
+        imu: (n, 6), columns CHANNELS, needed where an effect reads a channel that is not calibrated. ordered: whether
+        the stamps increase, where the caller knows. Splitting the
         samples over several calls changes no bit of the result. Where the clock does more than go on, filters and
         memories of the acceleration begin anew or are carried: see Cut.
         """
-        imu = self._widened(values) if imu is None else imu
+        if imu is None and (missing := self.stage.other_channels):
+            raise ValueError(f"effects of the calibration need imu: they read {', '.join(missing)}")
         if not len(stamps):
-            return self._compensate(stamps, values, imu)
+            return zeros(0, len(self._columns))
+        ordered = increases(stamps) if ordered is None else ordered
+        if ordered and len(stamps) <= CHUNK and self._stretches.go_on(stamps):
+            self._time_lines.follow(int(stamps[0]))
+            return self._compensate(stamps, values, imu, ordered)
         parts = []
         for rows, cut in self._stretches.split(stamps, CHUNK):
             self._enter(cut, int(stamps[rows.start]))
-            parts.append(self._compensate(stamps[rows], values[rows], imu[rows]))
+            part = None if imu is None else imu[rows]
+            parts.append(self._compensate(stamps[rows], values[rows], part, ordered))
         return parts[0] if len(parts) == 1 else joined(parts)
 
     def _enter(self, cut: Cut, stamp: int) -> None:
@@ -175,46 +202,37 @@ class Pipeline:
 
     def _widened(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return values (n, c) as columns of CHANNELS (n, 6), the others 0."""
-        if missing := self.stage.other_channels:
-            raise ValueError(f"effects of the calibration need imu: they read {', '.join(missing)}")
-        wide = np.zeros((len(values), len(CHANNELS)))
+        wide = np.zeros((len(CHANNELS), len(values))).T
         wide[:, self._columns] = values
         return wide
 
-    def _compensate(self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64]) -> Compensated:
+    def _compensate(
+        self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None, ordered: bool
+    ) -> Compensated:
         """Compensate one stretch without a jump back in time."""
+        cells, places = self._slow.at(self.inputs, stamps, ordered=ordered)
         calibration = self.calibration
-        features = read_features(self.track, calibration.features, stamps)
-        inside = calibration.calibrated_range.contains(features.values)
-        status = temperature_status(features, calibration.features, inside)
-        # Without any temperature the drift at the middle of the range is the best guess there is; the
-        # status says that it is one.
-        missing = np.isinf(features.age)
-        known = np.where(missing[:, None], calibration.calibrated_range.middle, features.values)
-        drift = self._drift(stamps, values, imu, known, missing)
-        corrected = values - drift
-        innovation = np.zeros_like(corrected)
+        slow = SlowSamples(stamps, cells, places, calibration.features, calibration.calibrated_range, self._uncertainty)
+        drift = slow.drift if not self.stage.has_fast else self._with_fast_effects(stamps, values, imu, slow)
+        unfiltered = values - drift
+        if not self._filtered:
+            nothing = np.zeros(drift.shape) if len(stamps) <= FEW else np.broadcast_to(0.0, drift.shape)
+            return Compensated(unfiltered, drift, nothing, unfiltered, slow)
+        corrected, innovation = unfiltered.copy(order="K"), np.zeros_like(unfiltered)
         self._filter(stamps, corrected, innovation)
-        uncertainty = self._uncertainty.evaluate(known, features.age, status)
-        return Compensated(corrected, drift, innovation, known, inside, status, uncertainty)
+        return Compensated(corrected, drift, innovation, unfiltered, slow)
 
-    def _drift(
-        self,
-        stamps: Stamps,
-        values: NDArray[np.float64],
-        imu: NDArray[np.float64],
-        features: NDArray[np.float64],
-        unknown: NDArray[np.bool_],
+    def _with_fast_effects(
+        self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None, slow: SlowSamples
     ) -> NDArray[np.float64]:
-        """Return the drift (n, c) of model and effects, at features (n, 3) clamped to the calibrated range."""
-        clamped = self.calibration.calibrated_range.clamp(features)
-        drift = np.stack([channel.drift.evaluate(clamped) for channel in self.calibration.channels], axis=1)
-        if not self.stage.effects:
-            return drift
-        acceleration = imu.copy()
-        acceleration[:, self._columns] = values - drift
-        at = self.inputs.conditions(stamps, clamped, unknown, acceleration)
-        return drift + self.stage.drift(at, self.inputs.memory(stamps, unknown))
+        """Return the drift (n, c) of the slow inputs, and of the effects that each sample must be looked at for."""
+        acceleration = self._widened(values) if imu is None else imu.copy(order="K")
+        acceleration[:, self._columns] = values - slow.model
+        at = self.inputs.conditions(stamps, slow.clamped, slow.unknown, acceleration)
+        memory = self.inputs.memory(stamps, slow.unknown) if self.stage.fast_need_memory else no_memory(len(stamps))
+        effects = slow.effects
+        self.stage.add_fast(effects, at, memory)
+        return slow.model + effects
 
     def _filter(self, stamps: Stamps, corrected: NDArray[np.float64], innovation: NDArray[np.float64]) -> None:
         """Run the Kalman stage in place over one stretch (m, c)."""

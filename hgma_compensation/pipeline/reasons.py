@@ -20,6 +20,7 @@ class Skip(Enum):
     IMPLAUSIBLE = "acceleration_implausible"
     ABSENT = "acceleration_absent"
     OTHER_FRAME = "acceleration_of_another_frame"
+    UNREADABLE = "acceleration_unreadable"
     MALFORMED_BLOCK = "block_malformed"
     STOPPED = "output_stopped"
 
@@ -103,6 +104,8 @@ REMEDIES: dict[str, str] = {
     Skip.ABSENT.value: "the driver declares the field absent (-1 in element 0 of its covariance, REP-145): "
     "use a calibration without that channel, or set 0 for an unknown covariance",
     Skip.OTHER_FRAME.value: "another sensor publishes on the topic: remap one of them, or set the parameter frame_id",
+    Skip.UNREADABLE.value: "what is published on accel/raw or accel/raw_block is damaged or of another type: "
+    "check the accelerometer's driver",
     Skip.MALFORMED_BLOCK.value: "check the driver: x, y, z of a block must have equal length and "
     "sample_interval must be positive",
     Skip.STOPPED.value: "the temperature is not usable and the parameter on_bad_temperature is stop: "

@@ -6,6 +6,7 @@ the residual moves while the temperature does, or its level is off by more than 
 
 from collections import deque
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,13 +48,22 @@ class Residual:
     fits: bool
 
 
+class Temperatures(Protocol):
+    """Where the temperature of samples is found, in °C."""
+
+    @property
+    def features(self) -> Array:
+        """(n, 3), the temperature first."""
+        ...
+
+
 class RestMonitor:
     """Follows the output of the drift model; the Kalman stage would hide what it looks for."""
 
     def __init__(self, calibration: Calibration) -> None:
         """Take the errors that the calibration knows of itself."""
         self._channels = calibration.channels
-        self._references = np.array([channel.reference for channel in self._channels])
+        self._references = [channel.reference for channel in self._channels]
         self._noise = np.array([channel.error.noise for channel in self._channels])
         self._own = np.array([channel.error.unseen for channel in self._channels])
         self._means: deque[Array] = deque(maxlen=WINDOW)
@@ -65,8 +75,8 @@ class RestMonitor:
         self._leave()
         self._begin(0)
 
-    def take(self, stamps: Stamps, corrected: Array, temperature: Array, usable: bool) -> None:
-        """Take samples less their drift (n, c) at stamps (n,) in ns, and the temperature (n,) in °C.
+    def take(self, stamps: Stamps, corrected: Array, at: Temperatures, usable: bool) -> None:
+        """Take samples less their drift (n, c) at stamps (n,) in ns, with the temperature.
 
         usable: whether the temperature was what the calibration knows; what is not is not judged.
         """
@@ -77,17 +87,28 @@ class RestMonitor:
             self._begin(first)
             if not usable:
                 return
-        residual = corrected - self._references
-        self._count += len(residual)
-        self._sum += residual.sum(axis=0)
-        self._squares += (residual * residual).sum(axis=0)
+        self._add(corrected)
         if last - self._start >= BLOCK:
-            self._end_block(float(temperature[-1]))
+            self._end_block(float(at.features[-1, 0]))
             self._begin(last)
+
+    def _add(self, corrected: Array) -> None:
+        """Add samples (n, c) to the sums, of their differences from the references and the squares of these."""
+        count = len(corrected)
+        self._count += count
+        for number, reference in enumerate(self._references):
+            if count == 1:
+                total = value = float(corrected[0, number])
+                squares = value * value
+            else:
+                column = corrected[:, number]
+                total, squares = float(column.sum()), float(column.dot(column))
+            self._sum[number] += total - count * reference
+            self._squares[number] += squares - reference * (2.0 * total - count * reference)
 
     def _begin(self, stamp: int) -> None:
         self._start, self._count = stamp, 0
-        self._sum, self._squares = np.zeros(len(self._own)), np.zeros(len(self._own))
+        self._sum, self._squares = [0.0] * len(self._own), [0.0] * len(self._own)
 
     def _leave(self) -> None:
         """The sensor has moved, or what it showed cannot be judged: what follows is another position."""
@@ -95,8 +116,8 @@ class RestMonitor:
         self._temperatures.clear()
 
     def _end_block(self, temperature: float) -> None:
-        mean = self._sum / self._count
-        scatter = np.sqrt(np.maximum(self._squares / self._count - mean * mean, 0.0))
+        mean = np.array(self._sum) / self._count
+        scatter = np.sqrt(np.maximum(np.array(self._squares) / self._count - mean * mean, 0.0))
         if np.any(scatter > CALM * self._noise * np.sqrt(self._count)):
             return self._leave()
         if self._means and np.any(np.abs(mean - self._means[-1]) > STEP * np.sqrt(2.0) * self._own):

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.cdr.header import aligned
 from hgma_compensation.cdr.rows import FLOAT64, fields
-from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.compensated import Compensated, zeros
 from hgma_compensation.pipeline.state_fields import state_fields
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.accelerations import STAMP_AT, STAMP_SIZE
@@ -23,12 +23,8 @@ class StateRows:
     def __init__(self, calibration: Calibration, frame: str) -> None:
         """Lay a state out."""
         store, count = types.typestore(), len(calibration.names)
-        nothing = np.zeros((1, count))
-        empty = Compensated(
-            nothing, nothing, nothing, np.zeros((1, 3)), np.zeros(1, bool), np.zeros(1, np.uint8), nothing
-        )
         header = store.types["std_msgs/msg/Header"](store.types["builtin_interfaces/msg/Time"](0, 0), frame)
-        state = store.types[types.STATE](header=header, **state_fields(calibration, empty, 0))
+        state = store.types[types.STATE](header=header, **state_fields(calibration, zeros(1, count), 0))
         self._template = np.frombuffer(bytes(store.serialize_cdr(state, types.STATE)), dtype=np.uint8)
         place = aligned(_FRAME + _LENGTH + len(frame.encode()) + 1)
         self._features = slice(place, place + 3 * FLOAT64.itemsize)

@@ -72,12 +72,17 @@ class Features:
     unusable: NDArray[np.bool_]
 
 
-def read_features(track: TemperatureTrack | Updates, settings: FeatureSettings, stamps: Stamps) -> Features:
-    """Evaluate the features at stamps (ns, shape (n,)); element by element, so n may be 1 or a day."""
+def read_features(
+    track: TemperatureTrack | Updates, settings: FeatureSettings, stamps: Stamps, as_of: Stamps | None = None
+) -> Features:
+    """Evaluate the features at stamps (ns, shape (n,)); element by element, so n may be 1 or a day.
+
+    as_of: (n,) ns, not after ``stamps``: what was known then decides, and the features are predicted from it.
+    """
     latency, horizon = to_nanoseconds(settings.latency), settings.prediction_horizon
-    temperature, rate, age = track.read(stamps, latency, horizon)
+    temperature, rate, age = track.read(stamps, latency, horizon, as_of)
     if settings.product is Product.DELAY:
-        difference = temperature - track.read_earlier(stamps, to_nanoseconds(settings.delay), latency, horizon)
+        difference = temperature - track.read_earlier(stamps, to_nanoseconds(settings.delay), latency, horizon, as_of)
     else:
         difference = temperature - settings.reference_temperature
     values = np.empty((len(stamps), len(NAMES)))
@@ -85,5 +90,5 @@ def read_features(track: TemperatureTrack | Updates, settings: FeatureSettings, 
     values[:, 1] = rate
     values[:, 2] = temperature * difference
     values[np.isinf(age)] = np.nan
-    since_power_on = np.where(np.isinf(age), -np.inf, track.since_power_on(stamps, latency))
-    return Features(values, age, since_power_on, track.last_is_unusable(stamps, latency))
+    since_power_on = np.where(np.isinf(age), -np.inf, track.since_power_on(stamps, latency, as_of))
+    return Features(values, age, since_power_on, track.last_is_unusable(stamps if as_of is None else as_of, latency))

@@ -121,17 +121,21 @@ class TemperatureTrack:
         """Stamp of the newest update, ns."""
         return self.updates.last
 
-    def read(self, stamps: Stamps, latency: int, horizon: float) -> tuple[Array, Array, Array]:
+    def read(
+        self, stamps: Stamps, latency: int, horizon: float, as_of: Stamps | None = None
+    ) -> tuple[Array, Array, Array]:
         """Return T (°C), Ṫ (°C/s) and age (s), each (n,): see Updates."""
-        return self.updates.read(stamps, latency, horizon)
+        return self.updates.read(stamps, latency, horizon, as_of)
 
-    def read_earlier(self, stamps: Stamps, back: int, latency: int, horizon: float) -> Array:
+    def read_earlier(
+        self, stamps: Stamps, back: int, latency: int, horizon: float, as_of: Stamps | None = None
+    ) -> Array:
         """Return T (n,), °C, ``back`` ns before stamps: see Updates."""
-        return self.updates.read_earlier(stamps, back, latency, horizon)
+        return self.updates.read_earlier(stamps, back, latency, horizon, as_of)
 
-    def since_power_on(self, stamps: Stamps, latency: int) -> Array:
+    def since_power_on(self, stamps: Stamps, latency: int, as_of: Stamps | None = None) -> Array:
         """Return the time since the power-on (n,) in s: see Updates."""
-        return self.updates.since_power_on(stamps, latency)
+        return self.updates.since_power_on(stamps, latency, as_of)
 
     def last_is_unusable(self, stamps: Stamps, latency: int) -> NDArray[np.bool_]:
         """Return (n,) whether the newest sample could not be used: see Updates."""

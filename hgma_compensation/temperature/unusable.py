@@ -41,6 +41,11 @@ class UnusableStamps:
         """Move all stamps."""
         self._stamps = self._stamps + nanoseconds
 
+    def between(self, low: int, high: int) -> Stamps:
+        """Return the stamps in low < s < high, ns."""
+        stamps = self._stamps
+        return stamps[stamps.searchsorted(low, side="right") : stamps.searchsorted(high)]
+
     def at_or_after(self, used: Stamps, counted: Stamps) -> NDArray[np.bool_]:
         """Return (n,) whether the newest at ``counted`` (n,) is not older than ``used`` (n,); there must be one."""
         index = self._stamps.searchsorted(counted, side="right") - 1

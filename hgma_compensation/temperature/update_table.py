@@ -89,6 +89,15 @@ class UpdateTable:
         newest = np.maximum(self.stamps.searchsorted(stamps, side="right") - 1, 0)
         return np.asarray(np.maximum(index, self.stamps.searchsorted(self.power_on[newest])))
 
+    def adopted(self, low: int, high: int, latency: int) -> Stamps:
+        """Return the stamps in low < s < high (ns) at which ``used`` goes on to another row, and some at which not."""
+        begin, end = self.stamps.searchsorted((low - latency, high)).tolist()
+        stamps = self.stamps[begin:end]
+        # A row that begins a time with power is used from its own stamp on.
+        begun = stamps[self.power_on[begin:end] == stamps]
+        both = np.concatenate([stamps + latency, begun])
+        return both[(both > low) & (both < high)]
+
     def snapshot(self, since: int) -> dict[str, Any]:
         """Return, as plain JSON, the rows that readings from a stamp (ns) on depend on."""
         rows = slice(self.reachable(since), None)

@@ -143,17 +143,21 @@ class Updates:
         for stamp, celsius, slope in zip(stamps, temperature, rate, strict=True):
             self.append(int(stamp), float(celsius), float(slope))
 
-    def read(self, stamps: Stamps, latency: int, horizon: float) -> tuple[Array, Array, Array]:
+    def read(
+        self, stamps: Stamps, latency: int, horizon: float, as_of: Stamps | None = None
+    ) -> tuple[Array, Array, Array]:
         """Return T (°C), Ṫ (°C/s) and the age (s) of the update they come from, each of shape (n,).
 
         stamps: ns. latency: ns that an update must be older than a stamp to be used; the first one after a power-on is
         used from its own stamp on. horizon: s over which Ṫ is extrapolated; an older update is held. Before the first
-        update, T is that of the first one (steady before the start), Ṫ is 0 and the age infinite.
+        update, T is that of the first one (steady before the start), Ṫ is 0 and the age infinite. as_of: (n,) ns, the
+        stamps that decide which update is used, where those are not ``stamps``: what was predicted then.
         """
         if not len(self):
             return np.full(len(stamps), np.nan), np.zeros(len(stamps)), np.full(len(stamps), np.inf)
-        table, index = self._table, self._table.used(stamps, latency)
-        before = stamps < table.stamps[0]
+        known = stamps if as_of is None else as_of
+        table, index = self._table, self._table.used(known, latency)
+        before = known < table.stamps[0]
         age = seconds_between(stamps, table.stamps[index])
         temperature, rate = table.values[index, 0], table.values[index, 1]
         predicted = temperature + rate * np.minimum(age, horizon)
@@ -163,37 +167,42 @@ class Updates:
             np.where(before, np.inf, age),
         )
 
-    def read_earlier(self, stamps: Stamps, back: int, latency: int, horizon: float) -> Array:
+    def read_earlier(
+        self, stamps: Stamps, back: int, latency: int, horizon: float, as_of: Stamps | None = None
+    ) -> Array:
         """Return T (n,), °C, ``back`` ns before stamps; steady before the power-on that each stamp is after.
 
         Other arguments as for ``read``.
         """
-        at = stamps - back
-        if len(self):
-            at = np.maximum(at, self._table.power_on[self._table.used(stamps, latency)])
-        return self.read(at, latency, horizon)[0]
+        if not len(self):
+            return self.read(stamps, latency, horizon)[0]
+        power_on = self._table.power_on[self._table.used(stamps if as_of is None else as_of, latency)]
+        at = np.maximum(stamps - back, power_on)
+        return self.read(at, latency, horizon, None if as_of is None else np.maximum(as_of - back, power_on))[0]
 
-    def read_memory(self, stamps: Stamps, latency: int, horizon: float) -> Array:
+    def read_memory(self, stamps: Stamps, latency: int, horizon: float, as_of: Stamps | None = None) -> Array:
         """Return the memory's states (n, m): those of the updates used, moved on to the predicted temperature.
 
         Arguments as for ``read``. Before the first update: in equilibrium at its temperature; NaN where there is none.
         """
         if not len(self):
             return np.full((len(stamps), self._memory.size), np.nan)
-        table, index = self._table, self._table.used(stamps, latency)
-        before = stamps < table.stamps[0]
+        known = stamps if as_of is None else as_of
+        table, index = self._table, self._table.used(known, latency)
+        before = known < table.stamps[0]
         # A time that runs backwards would make some memories overflow before their states are thrown away.
         seconds = np.where(before, 0.0, np.minimum(seconds_between(stamps, table.stamps[index]), horizon))
         predicted = table.values[index, 0] + table.values[index, 1] * seconds
         moved = self._memory.advance(table.values[index, 2:], seconds, table.values[index, 0], predicted)
         return np.where(before[:, None], self._equilibrium, moved)
 
-    def since_power_on(self, stamps: Stamps, latency: int) -> Array:
-        """Return the time since the power-on (n,) in s, 0 before the first update."""
+    def since_power_on(self, stamps: Stamps, latency: int, as_of: Stamps | None = None) -> Array:
+        """Return the time since the power-on (n,) in s, 0 before the first update; as_of: as for ``read``."""
         if not len(self):
             return np.zeros(len(stamps))
-        since = seconds_between(stamps, self._table.power_on[self._table.used(stamps, latency)])
-        return np.where(stamps < self._table.stamps[0], 0.0, since)
+        known = stamps if as_of is None else as_of
+        since = seconds_between(stamps, self._table.power_on[self._table.used(known, latency)])
+        return np.where(known < self._table.stamps[0], 0.0, since)
 
     def last_is_unusable(self, stamps: Stamps, latency: int) -> NDArray[np.bool_]:
         """Return (n,) whether an unusable sample as old as the latency (ns) is newer than the update in use."""
@@ -202,6 +211,19 @@ class Updates:
         if not len(self):
             return self.unusable.at_or_after(np.zeros(len(stamps), dtype=np.int64), stamps - latency)
         return self.unusable.at_or_after(self._table.stamps[self._table.used(stamps, latency)], stamps - latency)
+
+    def changes(self, low: int, high: int, latency: int) -> Stamps:
+        """Return the stamps in low < s < high (ns) from which on a reading may use another update, in no order.
+
+        Also those from which on it knows of an unusable sample.
+        """
+        found = [
+            self._table.adopted(low, high, latency),
+            self.unusable.between(low - latency, high - latency) + latency,
+        ]
+        if self.first is not None and low < self.first < high:
+            found.append(np.array([self.first], dtype=np.int64))
+        return np.concatenate(found)
 
     def snapshot(self, reach: int) -> dict[str, Any]:
         """Return, as plain JSON, all that readings within ``reach`` ns of the newest update depend on."""

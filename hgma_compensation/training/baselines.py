@@ -1,4 +1,4 @@
-"""Gaussian process and thin-plate spline on the network's features: offline comparison only.
+"""Gaussian process, thin-plate spline and kernel ridge on the network's features: offline comparison only.
 
 They are too slow for a node and are never written to a calibration file, but they have ``evaluate`` as
 every drift model has, so that the same pipeline and the same held-out cycle judge them. scikit-learn comes with
@@ -14,15 +14,21 @@ from scipy.interpolate import RBFInterpolator
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
+from sklearn.kernel_ridge import KernelRidge
+from sklearn.model_selection import GridSearchCV, PredefinedSplit
 
 from hgma_compensation.drift.inputs import Array, InputScaling
 from hgma_compensation.training.folds import Folds
 
 MOST_POINTS = 500
-"""Means that either is fitted to: their cost grows with the cube of it."""
+"""Means that process and spline are fitted to: their cost grows with the cube of it."""
 
 SMOOTHING = tuple(float(s) for s in np.geomspace(1e-6, 1e2, 9))
 """Smoothing tried by the thin-plate spline, for inputs and target of unit variance."""
+
+PENALTIES = tuple(float(a) for a in np.geomspace(1e-6, 1e-2, 5))
+GAMMAS = tuple(float(g) for g in np.geomspace(1e-3, 1.0, 5))
+"""Penalties and 1/(2σ²) tried by kernel ridge regression, for inputs and target of unit variance."""
 
 CHUNK = 8192
 
@@ -52,6 +58,20 @@ class ThinPlateDrift:
     def evaluate(self, features: Array) -> Array:
         """Return the drift (n,) at features (n, d)."""
         return _in_chunks(self.spline, self.scaling.apply(features)) * self.unit
+
+
+@dataclass(frozen=True)
+class KernelRidgeDrift:
+    """Ridge regression with a squared-exponential kernel about the mean of the target, in the channel's unit."""
+
+    scaling: InputScaling
+    regressor: KernelRidge
+    mean: float
+    unit: float
+
+    def evaluate(self, features: Array) -> Array:
+        """Return the drift (n,) at features (n, d)."""
+        return self.mean + _in_chunks(self.regressor.predict, self.scaling.apply(features)) * self.unit
 
 
 def fit_gaussian_process(
@@ -86,6 +106,22 @@ def fit_thin_plate(
     errors = [_left_out_rms(inputs, scaled, index, smoothing) for smoothing in SMOOTHING]
     best = SMOOTHING[int(np.argmin(errors))]
     return ThinPlateDrift(scaling, _spline(inputs, scaled, best), unit, best)
+
+
+def fit_kernel_ridge(features: Array, target: Array, folds: Folds) -> KernelRidgeDrift:
+    """Return the regression whose penalty and width have the least squared error on left-out folds.
+
+    features: (n, d). target: (n,) drift. Fitted to all of them; one width for all inputs, as scikit-learn has it.
+    """
+    scaling, mean, unit = InputScaling.of(features), float(target.mean()), float(target.std()) or 1.0
+    search = GridSearchCV(
+        KernelRidge(kernel="rbf"),
+        {"alpha": PENALTIES, "gamma": GAMMAS},
+        cv=PredefinedSplit(folds.index),
+        scoring="neg_mean_squared_error",
+    )
+    search.fit(scaling.apply(features), (target - mean) / unit)
+    return KernelRidgeDrift(scaling, search.best_estimator_, mean, unit)
 
 
 def draw(count: int, points: int, seed: int) -> Any:

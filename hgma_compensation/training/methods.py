@@ -9,6 +9,7 @@ from hgma_compensation.drift.polynomial import CUBIC, CUBIC_WITH_RATE
 from hgma_compensation.training.folds import Folds
 from hgma_compensation.training.genetic import GeneticSettings, Progress, search_network
 from hgma_compensation.training.gradient import train_by_gradient
+from hgma_compensation.training.linear_algebra import one_thread
 from hgma_compensation.training.polynomial_fit import fit_polynomial, polynomial_fitness
 
 
@@ -33,6 +34,7 @@ class Fit:
     cross_validated: float | None
 
 
+@one_thread()
 def fit_drift(
     method: Method,
     features: Array,

@@ -44,7 +44,7 @@ def main() -> int:
     environment = private_ros_environment()
     with tempfile.TemporaryDirectory() as folder:
         good, refused = write_calibrations(Path(folder))
-        parameters = [f"calibration_file:={good[0]}", *RELIABLE]
+        parameters = [f"calibration_file:={good[0]}", "state_rate:=0.0", *RELIABLE]
         words = [word for parameter in parameters for word in ("-p", parameter)]
         command = [sys.executable, "-m", "hgma_compensation.node.main", "--ros-args", *words]
         with running(command, environment, "using calibration") as process:
