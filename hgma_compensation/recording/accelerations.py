@@ -73,14 +73,18 @@ class ImuMessages:
     def compensated(self, channels: Sequence[str], rows: Indices, result: Compensated) -> Batch:
         """Return copies of the messages ``rows`` (m,), increasing, with the result for them put in."""
         made = []
-        variances = np.where(result.status[:, None] > 0, result.uncertainty**2, np.nan)
+        variances = None
+        if not result.ordinary:
+            variances = np.where(result.status[:, None] > 0, result.uncertainty**2, np.nan)
         for span, piece in self._pieces:
             part = slice(*np.searchsorted(rows, (span.start, span.stop)).tolist())
             if part.start == part.stop:
                 continue
             if isinstance(piece, ImuBatch):
                 own = rows[part] - span.start
-                patched = piece.patched(own, channels, result.values[part], variances[part])
+                patched = piece.patched(
+                    own, channels, result.values[part], None if variances is None else variances[part]
+                )
                 made.append(of_rows(patched, self._batch.times[rows[part]]))
             else:
                 patch_imu(piece, channels, result.values[part.start].tolist())
