@@ -1,6 +1,6 @@
 """Bags compensated in windows, against the same recordings compensated whole."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from hgma_compensation.cdr.imu import ImuBatch
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.compensated import Compensated, joined
 from hgma_compensation.pipeline.state_fields import state_fields
 from hgma_compensation.pipeline.state_rate import StateRate
 from hgma_compensation.recording import accelerations, look_ahead, message_batches, offline_run
@@ -45,18 +45,26 @@ def write(path, recording, late=None, block=1, storage=Storage.MCAP):
             bag.write(topic, time, message)
 
 
+@dataclass(frozen=True)
+class SlowColumns:
+    features: np.ndarray
+    inside_range: np.ndarray
+    status: np.ndarray
+    uncertainty: np.ndarray
+    ordinary: bool = False
+
+
 def run(path, calibration):
     """Return the result of all windows of a bag as one."""
     with open_bag(path) as bag:
         found = BagTopics(bag, path, NAMES)
-        made = [part.result for _, part in OfflineRun(bag, path, found, calibration, found.read).windows() if part]
-    return Compensated(
-        *(np.concatenate([getattr(one, name) for one in made]) for name in Compensated.__dataclass_fields__)
-    )
+        return joined(
+            [part.result for _, part in OfflineRun(bag, path, found, calibration, found.read).windows() if part]
+        )
 
 
 def assert_same_bits(one, other):
-    for name in Compensated.__dataclass_fields__:
+    for name in Compensated.FIELDS:
         assert getattr(one, name).tobytes() == getattr(other, name).tobytes(), name
 
 
@@ -104,7 +112,7 @@ def test_a_recording_of_several_rounds_is_compensated_round_by_round(tmp_path, s
         for time, topic, message in sorted(rounds, key=lambda event: event[0]):
             bag.write(topic, time, message)
     result, expected = run(tmp_path / "bag", calibration), compensate_recording(RECORDING, calibration)
-    for name in Compensated.__dataclass_fields__:
+    for name in Compensated.FIELDS:
         assert getattr(result, name).tobytes() == 3 * getattr(expected, name).tobytes(), name
 
 
@@ -201,7 +209,8 @@ def test_rows_of_states_are_the_serialised_messages(channels, frame, seed):
     wide = [random.standard_normal((count, len(channels))) for _ in range(4)]
     wide[1][0, 0], wide[2][1, 0] = np.nan, -0.0
     status, inside = random.integers(0, 6, count).astype(np.uint8), random.integers(0, 2, count).astype(bool)
-    result = Compensated(wide[0], wide[1], wide[2], random.standard_normal((count, 3)), inside, status, wide[3])
+    slow = SlowColumns(random.standard_normal((count, 3)), inside, status, wide[3])
+    result = Compensated(wide[0], wide[1], wide[2], wide[0], slow)
     heads = random.integers(0, 256, (2, 8)).astype(np.uint8)
     rows = StateRows(calibration, frame).rows(heads, result, np.array([1, 4]))
     store = types.typestore()

@@ -73,14 +73,18 @@ class ImuMessages:
     def compensated(self, channels: Sequence[str], rows: Indices, result: Compensated) -> Batch:
         """Return copies of the messages ``rows`` (m,), increasing, with the result for them put in."""
         made = []
-        variances = np.where(result.status[:, None] > 0, result.uncertainty**2, np.nan)
+        variances = None
+        if not result.ordinary:
+            variances = np.where(result.status[:, None] > 0, result.uncertainty**2, np.nan)
         for span, piece in self._pieces:
             part = slice(*np.searchsorted(rows, (span.start, span.stop)).tolist())
             if part.start == part.stop:
                 continue
             if isinstance(piece, ImuBatch):
                 own = rows[part] - span.start
-                patched = piece.patched(own, channels, result.values[part], variances[part])
+                patched = piece.patched(
+                    own, channels, result.values[part], None if variances is None else variances[part]
+                )
                 made.append(of_rows(patched, self._batch.times[rows[part]]))
             else:
                 patch_imu(piece, channels, result.values[part.start].tolist())
@@ -164,12 +168,18 @@ def _block(batch: Batch, row: int, decode: Decode) -> BlockView | Any:
 
 
 def _frames(pieces: Sequence[tuple[slice, Any]], rows: Indices) -> list[tuple[slice, str]]:
-    found = []
-    for span, piece in pieces:
-        part = slice(*np.searchsorted(rows, (span.start, span.stop)).tolist())
-        if part.start < part.stop:
-            frame = piece.frame if isinstance(piece, (ImuBatch, BlockView)) else str(piece.header.frame_id)
-            found.append((part, frame))
+    found: list[tuple[slice, str]] = []
+    stops = np.searchsorted(rows, [span.stop for span, _ in pieces]).tolist()
+    start = 0
+    for (_, piece), stop in zip(pieces, stops, strict=True):
+        if start == stop:
+            continue
+        frame = piece.frame if isinstance(piece, (ImuBatch, BlockView)) else str(piece.header.frame_id)
+        if found and found[-1][1] == frame:
+            found[-1] = slice(found[-1][0].start, stop), frame
+        else:
+            found.append((slice(start, stop), frame))
+        start = stop
     return found
 
 

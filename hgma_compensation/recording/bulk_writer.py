@@ -21,6 +21,9 @@ from hgma_compensation.recording.mcap_bulk_writer import BulkMcapWriter
 MOST_WAITING = 4
 """Batches that wait to be written: the memory of so many is held."""
 
+MOST_BYTES, MOST_MESSAGES = 1 << 20, 4096
+"""Of messages that come one by one, until they are written together."""
+
 ROWS = 300
 """Of a database, inserted by one statement: each takes three of the at least 999 parameters that there can be."""
 
@@ -62,14 +65,21 @@ class BulkWriter(Writer):
         super().__init__(path, **options)
         self._thread = ThreadPoolExecutor(1)
         self._waiting: deque[Future[None]] = deque()
+        self._topics: list[int] = []
+        self._times: list[int] = []
+        self._raws: list[bytes] = []
+        self._size = 0
 
     def write_batch(self, connections: Sequence[Connection], batch: Batch) -> None:
         """Write messages, whose memory must not change; each one's topic is the place of its connection in the list.
 
         Raises what writing an earlier batch raised.
         """
-        if not len(batch):
-            return
+        self._flush()
+        if len(batch):
+            self._put(connections, batch)
+
+    def _put(self, connections: Sequence[Connection], batch: Batch) -> None:
         for number, count in zip(*np.unique(batch.topics, return_counts=True), strict=True):
             self.counts[connections[number].id] += int(count)
         self.min_timestamp = min(int(batch.times.min()), self.min_timestamp)
@@ -86,16 +96,29 @@ class BulkWriter(Writer):
 
     def add_connection(self, *arguments: Any, **options: Any) -> Connection:
         """Add a topic."""
+        self._flush()
         self._wait(0)
         return super().add_connection(*arguments, **options)
 
     def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
-        """Write one message at a log time in ns."""
-        self._wait(0)
-        super().write(connection, timestamp, data)
+        """Write one message at a log time in ns, together with some after it."""
+        self._topics.append(connection.id - 1)  # the library numbers its connections from 1
+        self._times.append(timestamp)
+        self._raws.append(bytes(data))
+        self._size += len(data)
+        if self._size >= MOST_BYTES or len(self._raws) >= MOST_MESSAGES:
+            self._flush()
+
+    def _flush(self) -> None:
+        """Write the messages that came one by one."""
+        if self._raws:
+            batch = Batch.of_messages(self._topics, self._times, self._raws)
+            self._topics, self._times, self._raws, self._size = [], [], [], 0
+            self._put(self.connections, batch)
 
     def close(self) -> None:
         """Write what is left."""
+        self._flush()
         self._wait(0)
         self._thread.shutdown()
         super().close()

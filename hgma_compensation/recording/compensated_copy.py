@@ -78,7 +78,8 @@ class _Outputs:
     def take(self, made: Compensation) -> None:
         """Write what the pipeline made of accelerometer messages."""
         self.figures.compensated += len(made.result.values)
-        self.figures.outside_range += int(np.count_nonzero(~made.result.inside_range))
+        if not made.result.ordinary:
+            self.figures.outside_range += int(np.count_nonzero(~made.result.inside_range))
         batch = made.messages.compensated(self._calibration.names, made.usable, made.result)
         self._bag.write_batch([self._output], batch)
         self._write_states(made)
@@ -88,7 +89,10 @@ class _Outputs:
         result, messages = made.result, made.messages
         last = np.cumsum(messages.counts[made.usable]) - 1
         stamps = messages.stamps[made.samples[last]]
-        chosen = self._rate.choose(stamps, result.status[last], result.inside_range[last])
+        status, inside = np.zeros(len(last), dtype=np.uint8), np.ones(len(last), dtype=np.bool_)
+        if not result.ordinary:
+            status, inside = result.status[last], result.inside_range[last]
+        chosen = self._rate.choose(stamps, status, inside)
         rows = made.usable[chosen]
         heads = messages.heads(rows)
         for part, frame in messages.frames(rows):

@@ -18,6 +18,9 @@ from hgma_compensation.recording.mcap_records import INDEX_ENTRY, MESSAGE, MESSA
 CHUNK = 1 << 20
 """Bytes of a chunk beyond which it is closed."""
 
+LARGE = 2048
+"""Bytes of a message from which on it is copied by itself: many at a time are copied twice."""
+
 
 class BulkMcapWriter(mcap.McapWriter):
     """Adds ``write_batch``; header, schemas, channels and summary are those of the library."""
@@ -117,12 +120,12 @@ def _records(channels: Indices, batch: Batch, starts: Indices, size: int) -> NDA
     heads["kind"], heads["length"] = MESSAGE, batch.sizes + MESSAGE_HEAD.itemsize - RECORD_HEAD
     heads["channel"], heads["sequence"] = channels, 0
     heads["logged"] = heads["sent"] = batch.times
-    if len(batch) == 1:
-        made[: MESSAGE_HEAD.itemsize] = heads.view(np.uint8)
-        made[MESSAGE_HEAD.itemsize :] = batch.memory[batch.starts[0] : batch.starts[0] + batch.sizes[0]]
-        return made
     windows(made, MESSAGE_HEAD.itemsize, writeable=True)[starts] = heads.view(np.uint8).reshape(len(batch), -1)
     data = starts + MESSAGE_HEAD.itemsize
+    if size > LARGE * len(batch):
+        for place, first, length in zip(data.tolist(), batch.starts.tolist(), batch.sizes.tolist(), strict=True):
+            made[place : place + length] = batch.memory[first : first + length]
+        return made
     for length in np.unique(batch.sizes).tolist():
         rows = np.flatnonzero(batch.sizes == length)
         if length:

@@ -150,7 +150,8 @@ class OfflineRun:
         values, inside = messages.values, self._inside(messages.stamps)
         self.samples += int(np.count_nonzero(inside))
         self._carried |= messages.carried
-        self._not_zero |= (values != 0.0).any(axis=0)
+        for column in np.flatnonzero(~self._not_zero).tolist():
+            self._not_zero[column] = bool(values[:, column].any())
         usable, samples = _usable(messages, inside, usable_samples(messages.stamps, values[:, self._columns_read]))
         if len(samples) < len(values):
             values = values[samples]
@@ -165,6 +166,8 @@ def _usable(
     if isinstance(messages, ImuMessages):
         rows = np.flatnonzero(inside & usable)
         return rows, rows
+    if inside.all() and usable.all():
+        return np.flatnonzero(messages.counts), np.arange(len(usable))
     message = np.repeat(np.arange(len(messages.counts)), messages.counts)
     good = np.bincount(message[inside], minlength=len(messages.counts)) > 0
     good[message[inside & ~usable]] = False
