@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,8 @@ from hgma_compensation.recording.mcap_records import INDEX_ENTRY, MESSAGE, MESSA
 
 CHUNK = 1 << 20
 """Bytes of a chunk beyond which it is closed."""
+
+_CHUNK = 0x06
 
 LARGE = 2048
 """Bytes of a message from which on it is copied by itself: many at a time are copied twice."""
@@ -56,7 +60,10 @@ class BulkMcapWriter(mcap.McapWriter):
         """Append messages, whose records end at ``ends`` (n,) after what there is, to the chunk."""
         offset = self.chunk.bio.tell()
         starts = ends - batch.sizes - MESSAGE_HEAD.itemsize
-        self.chunk.bio.write(_records(channels, batch, starts, int(ends[-1])).data)
+        if int(ends[-1]) > LARGE * len(batch):
+            self._append_each(channels, batch)
+        else:
+            self.chunk.bio.write(_records(channels, batch, starts, int(ends[-1])).data)
         first, last = int(batch.times.min()), int(batch.times.max())
         self.chunk.message_start_time = min(first, self.chunk.message_start_time)
         self.chunk.message_end_time = max(last, self.chunk.message_end_time)
@@ -68,18 +75,27 @@ class BulkMcapWriter(mcap.McapWriter):
             entries["time"], entries["offset"] = batch.times[rows], starts[rows] + offset
             self._entries[channel].append(entries)
 
+    def _append_each(self, channels: Indices, batch: Batch) -> None:
+        """Append messages to the chunk one by one."""
+        for row, head in enumerate(_heads(channels, batch)):
+            self.chunk.bio.write(head.tobytes())
+            self.chunk.bio.write(batch.raw(row))
+
     def close_chunk(self) -> None:
         """Write the pending chunk and its message indexes."""
-        data, compression = self.chunk.bio.getvalue(), self.compression
+        data, compression = self.chunk.bio.getbuffer(), self.compression
         span = self.chunk.message_start_time, self.chunk.message_end_time
-        packed = self.compressor(data)
+        compressor: Callable[[Any], bytes] = self.compressor
+        packed = compressor(data)
         start = self.bio.tell()
         record = _numbers(*span, len(data))
         mcap.write_uint32(record, 0)  # no checksum, as the library
         mcap.write_string(record, compression)
         mcap.write_uint64(record, len(packed))
-        record.write(packed)
-        mcap.write_record(self.bio, 0x06, record)
+        self.bio.write(_CHUNK.to_bytes(1, "little"))
+        mcap.write_uint64(self.bio, record.tell() + len(packed))
+        self.bio.write(record.getbuffer())
+        self.bio.write(packed)
         end = self.bio.tell()
         offsets = {channel: self._write_index(channel, entries) for channel, entries in self._entries.items()}
         record = _numbers(*span, start, end - start)
@@ -113,19 +129,21 @@ def _numbers(*numbers: int) -> BytesIO:
     return record
 
 
-def _records(channels: Indices, batch: Batch, starts: Indices, size: int) -> NDArray[np.uint8]:
-    """Return the Message records (size,) of a batch, each at its place in ``starts`` (n,)."""
-    made = np.empty(size, dtype=np.uint8)
+def _heads(channels: Indices, batch: Batch) -> NDArray[np.void]:
+    """Return what stands before the data of messages, (n,) of MESSAGE_HEAD."""
     heads = np.empty(len(batch), dtype=MESSAGE_HEAD)
     heads["kind"], heads["length"] = MESSAGE, batch.sizes + MESSAGE_HEAD.itemsize - RECORD_HEAD
     heads["channel"], heads["sequence"] = channels, 0
     heads["logged"] = heads["sent"] = batch.times
+    return heads
+
+
+def _records(channels: Indices, batch: Batch, starts: Indices, size: int) -> NDArray[np.uint8]:
+    """Return the Message records (size,) of a batch, each at its place in ``starts`` (n,)."""
+    made = np.empty(size, dtype=np.uint8)
+    heads = _heads(channels, batch)
     windows(made, MESSAGE_HEAD.itemsize, writeable=True)[starts] = heads.view(np.uint8).reshape(len(batch), -1)
     data = starts + MESSAGE_HEAD.itemsize
-    if size > LARGE * len(batch):
-        for place, first, length in zip(data.tolist(), batch.starts.tolist(), batch.sizes.tolist(), strict=True):
-            made[place : place + length] = batch.memory[first : first + length]
-        return made
     for length in np.unique(batch.sizes).tolist():
         rows = np.flatnonzero(batch.sizes == length)
         if length:
