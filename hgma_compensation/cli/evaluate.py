@@ -10,8 +10,8 @@ from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
 from hgma_compensation.cli.terminal import check_folder, console, counting_bar, write_json
-from hgma_compensation.evaluation.evaluate import Evaluation, evaluate
-from hgma_compensation.recording.bag_reader import read_recording
+from hgma_compensation.evaluation.evaluate import Evaluation
+from hgma_compensation.evaluation.evaluate_bag import evaluate_bag
 from hgma_compensation.topics import TopicNames
 from hgma_compensation.training.reference import Reference
 
@@ -45,16 +45,15 @@ def command(
         check_folder(plot)
     model = read_calibration(calibration)
     reference = Reference.parse(reference_text)
-    with counting_bar("reading") as advance:
-        recording = read_recording(bag, names, advance).cut(start, end)
-    evaluation = evaluate(recording, model, reference)
-    console.print(table(evaluation, f"{recording.name}, reference {reference}"))
+    with counting_bar("compensating") as advance:
+        evaluation = evaluate_bag(bag, model, reference, names=names, span=(start, end), progress=advance)
+    console.print(table(evaluation, f"{bag.name}, reference {reference}"))
     if plot is not None:
         from hgma_compensation.evaluation.plots import (
             plot_evaluation,
         )  # matplotlib takes longer than the rest
 
-        plot_evaluation(evaluation, plot, recording.name)
+        plot_evaluation(evaluation, plot, bag.name)
     write_json(json_path, evaluation.as_json())
 
 

@@ -12,7 +12,7 @@ from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
 from hgma_compensation.cli.terminal import check_folder, console, counting_bar, progress_bar, write_json
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.recording.bag_reader import read_recording
+from hgma_compensation.recording.streamed import open_recording
 from hgma_compensation.temperature.features import Product
 from hgma_compensation.topics import TopicNames
 from hgma_compensation.training.filter_design import TIME_CONSTANTS
@@ -117,7 +117,7 @@ def command(bags: tuple[Path, ...], output: Path, names: TopicNames, json_path: 
         genetic=GeneticSettings(chosen["centres"], chosen["population"], chosen["generations"]),
     )
     with counting_bar("reading") as advance:
-        recordings = [read_recording(bag, names, advance).cut(chosen["start"], chosen["end"]) for bag in bags]
+        recordings = [open_recording(bag, names, advance).cut(chosen["start"], chosen["end"]) for bag in bags]
     channels = choose_channels(recordings, settings.channels)
     with progress_bar("training", len(channels) * settings.genetic.generations) as (bar, task):
 

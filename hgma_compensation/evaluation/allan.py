@@ -29,13 +29,18 @@ def allan_curve(stamps: Stamps, values: NDArray[np.float64]) -> AllanCurve | Non
 
     The samples are taken as evenly spaced at their median interval.
     """
-    interval = float(np.median(np.diff(stamps))) / NANOSECONDS if len(stamps) > 1 else 0.0
+    interval = median_interval(stamps)
     if len(stamps) < FEWEST_SAMPLES or interval <= 0.0:
         return None
     longest = len(values) // LEAST_CLUSTERS
     averaging = np.unique(np.geomspace(1, longest, 40).astype(int))
     taus, deviations, _, _ = allantools.oadev(values, rate=1.0 / interval, data_type="freq", taus=averaging * interval)
     return AllanCurve(np.asarray(taus), np.asarray(deviations))
+
+
+def median_interval(stamps: Stamps) -> float:
+    """Return the median time (s) from one of the stamps (n,) to the next, 0 for fewer than two."""
+    return float(np.median(np.diff(stamps))) / NANOSECONDS if len(stamps) > 1 else 0.0
 
 
 def velocity_random_walk(curve: AllanCurve) -> float:

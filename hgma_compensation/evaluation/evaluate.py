@@ -1,5 +1,6 @@
 """Error of a recording before and after compensation."""
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import columns_of, unit_of
-from hgma_compensation.evaluation.allan import allan_curve, bias_instability, velocity_random_walk
+from hgma_compensation.evaluation.allan import AllanCurve, allan_curve, bias_instability, velocity_random_walk
 from hgma_compensation.recording.compensated_bag import check_covered, compensate_recording, usable_rows
 from hgma_compensation.recording.recording import Recording
 from hgma_compensation.stamps import Stamps, seconds_between
@@ -96,36 +97,58 @@ def compare(
     """
     time = seconds_between(stamps, int(stamps[0]))
     index = np.floor(time / MEAN_SECONDS).astype(np.int64)
-    count = len(calibration.names)
     means = group_means(index, np.column_stack([time, temperature, raw, compensated]))
-    raw_reference = reference.of(calibration.names, raw)
-    compensated_reference = reference.of(calibration.names, compensated)
-    channels = []
-    for column, name in enumerate(calibration.names):
-        before, after = means[:, 2 + column], means[:, 2 + count + column]
-        raw_error = before - raw_reference[column]
-        compensated_error = after - compensated_reference[column]
-        channels.append(
-            ChannelEvaluation(
-                name=name,
-                raw=_measures(stamps, raw[:, column], raw_error),
-                compensated=_measures(stamps, compensated[:, column], compensated_error),
-                noise_floor=noise_of_means(before),
-                time=means[:, 0],
-                temperature=means[:, 1],
-                raw_error=raw_error,
-                compensated_error=compensated_error,
-            )
+    references = [reference.of(calibration.names, samples) for samples in (raw, compensated)]
+    samples = np.concatenate([raw, compensated], axis=1)
+
+    def figures(column: int, error: NDArray[np.float64]) -> Measures:
+        return measures(allan_curve(stamps, samples[:, column]), error, len(stamps))
+
+    return evaluation_of(calibration, Means(means, np.concatenate(references)), figures)
+
+
+@dataclass(frozen=True)
+class Means:
+    """values: (m, 2 + 2c) means over MEAN_SECONDS of time, s, temperature, °C, raw and compensated channels.
+
+    references: (2c,) of raw and compensated channels.
+    """
+
+    values: NDArray[np.float64]
+    references: NDArray[np.float64]
+
+
+def evaluation_of(
+    calibration: Calibration, means: Means, figures: Callable[[int, NDArray[np.float64]], Measures]
+) -> Evaluation:
+    """Return the evaluation of means.
+
+    figures: returns the measures of a column, raw channels before compensated ones, given the error (m,) of its means.
+    """
+    count = len(calibration.names)
+    errors = means.values[:, 2:] - means.references
+    channels = tuple(
+        ChannelEvaluation(
+            name=name,
+            raw=figures(column, errors[:, column]),
+            compensated=figures(count + column, errors[:, count + column]),
+            noise_floor=noise_of_means(means.values[:, 2 + column]),
+            time=means.values[:, 0],
+            temperature=means.values[:, 1],
+            raw_error=errors[:, column],
+            compensated_error=errors[:, count + column],
         )
-    return Evaluation(calibration.calibration_id, tuple(channels))
+        for column, name in enumerate(calibration.names)
+    )
+    return Evaluation(calibration.calibration_id, channels)
 
 
-def _measures(stamps: Stamps, values: NDArray[np.float64], error_of_means: NDArray[np.float64]) -> Measures:
-    curve = allan_curve(stamps, values)
+def measures(curve: AllanCurve | None, error: NDArray[np.float64], samples: int) -> Measures:
+    """Return the figures of an Allan curve and of the error (m,) of means."""
     return Measures(
-        rms_error=float(np.sqrt(np.mean(error_of_means**2))),
-        span=float(np.ptp(error_of_means)),
+        rms_error=float(np.sqrt(np.mean(error**2))),
+        span=float(np.ptp(error)),
         velocity_random_walk=None if curve is None else velocity_random_walk(curve),
         bias_instability=None if curve is None else bias_instability(curve),
-        samples=len(values),
+        samples=samples,
     )

@@ -86,10 +86,18 @@ class BlockStream:
         return stamp
 
 
+@lru_cache(maxsize=1)
+def _room(count: int) -> NDArray[np.float64]:
+    """Return memory for the accelerations of a block (count, 6), of which those of the angular rate are 0.
+
+    Column by column, as they are read. The same for all blocks of a length: what is new must be cleared and mapped.
+    """
+    return np.zeros((len(CHANNELS), count)).T
+
+
 def _widened(view: BlockView) -> NDArray[np.float64]:
-    """Return the accelerations of a block as columns of CHANNELS (n, 6), widened as they are copied."""
-    # Column by column in memory, as they are read; those that nobody reads are never touched.
-    wide = np.zeros((len(CHANNELS), len(view.x))).T
+    """Return the accelerations of a block as columns of CHANNELS (n, 6); they are gone with the next block."""
+    wide = _room(len(view.x))
     for column, axis in enumerate(AXES):
         wide[:, column] = getattr(view, axis)
     return wide

@@ -18,12 +18,15 @@ from hgma_compensation.pipeline.observer import Observer
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.prepared import Histories, Prepared, prepare
 from hgma_compensation.pipeline.reasons import LATE, Note, Skip, sample_name
-from hgma_compensation.pipeline.screening import out_of_step, reason_to_skip, usable_samples
+from hgma_compensation.pipeline.screening import increases, out_of_step, reason_to_skip, usable_samples
 from hgma_compensation.pipeline.settling import Unsettled
 from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.pipeline.taking_up import DROPPED, Past
 from hgma_compensation.stamps import Stamps
 from hgma_compensation.temperature.track import Sample
+
+FIRST_ROW = np.zeros(1, dtype=np.int64)
+"""The row of a sample that comes alone."""
 
 
 @dataclass(frozen=True)
@@ -202,21 +205,17 @@ class LiveCompensation:
 
         As ``compensate`` for one sample after the other, for samples that came each in a message of its own.
         """
+        if len(stamps) == 1:
+            alone = self.compensate(stamps, values)
+            return None if alone is None else (alone, FIRST_ROW)
         self.received += len(stamps)
         if self._pipeline is None:
             self._skip(Skip.NO_CALIBRATION, len(stamps))
             return None
-        rows = np.arange(len(stamps))
-        read = values[:, self._pipeline.columns_read]
-        usable = usable_samples(stamps, read)
-        if not usable.all():
-            for row in np.flatnonzero(~usable):
-                reason = reason_to_skip(stamps[row : row + 1], read[row : row + 1])
-                assert reason is not None
-                self._skip(reason, 1)
-            rows = np.flatnonzero(usable)
-            if not len(rows):
-                return None
+        rows = self._usable_rows(stamps, values[:, self._pipeline.columns_read])
+        if not len(rows):
+            return None
+        if len(rows) < len(stamps):
             stamps, values = stamps[rows], values[rows]
         result = self._run_each(stamps, values)
         self.last_result = LiveResult(self._pipeline.calibration, result)
@@ -229,10 +228,21 @@ class LiveCompensation:
         self.compensated += len(rows)
         return LiveResult(self._pipeline.calibration, result), rows
 
+    def _usable_rows(self, stamps: Stamps, read: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Return the rows (k,) of samples that are usable, read (n, r) being what is read of them; count the others."""
+        usable = usable_samples(stamps, read)
+        if usable.all():
+            return np.arange(len(stamps))
+        for row in np.flatnonzero(~usable):
+            reason = reason_to_skip(stamps[row : row + 1], read[row : row + 1])
+            assert reason is not None
+            self._skip(reason, 1)
+        return np.flatnonzero(usable)
+
     def _run_each(self, stamps: Stamps, values: NDArray[np.float64]) -> Compensated:
         """Return the result for samples (n > 0,) that are usable, each as if it had come alone."""
         assert self._pipeline is not None
-        if len(stamps) == 1 or self._pipeline.only_goes_on(stamps):
+        if increases(stamps) and self._pipeline.only_go_on(stamps):
             return self._run(stamps, values).compensated
         # What is said of a sample whose clock did more than go on depends on where the one before has led.
         each = [self._run(stamps[row : row + 1], values[row : row + 1]) for row in range(len(stamps))]
@@ -245,9 +255,10 @@ class LiveCompensation:
         pipeline, observer = self._pipeline, self.observer
         assert pipeline is not None
         assert observer is not None
-        for note, count in out_of_step(stamps, pipeline.newest).items():
+        ordered = increases(stamps)
+        for note, count in out_of_step(stamps, pipeline.newest, ordered=ordered).items():
             self.counts[note.value] += count
-        result = pipeline.compensate(stamps, pipeline.columns_of(values), values)
+        result = pipeline.compensate(stamps, pipeline.columns_of(values), values, ordered=ordered)
         observer.observe(stamps, result)
         return LiveResult(pipeline.calibration, result)
 

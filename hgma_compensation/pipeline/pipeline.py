@@ -15,8 +15,9 @@ from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.stage import Consistency, KalmanStage
 from hgma_compensation.pipeline.compensated import Compensated, joined, zeros
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG, Inputs
+from hgma_compensation.pipeline.screening import increases
 from hgma_compensation.pipeline.slow_drift import SlowDrift
-from hgma_compensation.pipeline.slow_samples import SlowSamples
+from hgma_compensation.pipeline.slow_samples import FEW, SlowSamples
 from hgma_compensation.pipeline.stretches import Cut, Stretches
 from hgma_compensation.pipeline.time_lines import TimeLines
 from hgma_compensation.pipeline.uncertainty import DriftUncertainty
@@ -77,9 +78,9 @@ class Pipeline:
         """Return for each channel what the innovations of its Kalman stage were like since the last call."""
         return [Consistency() if stage is None else stage.take_consistency() for stage in self._filters]
 
-    def only_goes_on(self, stamps: Stamps) -> bool:
-        """Return whether stamps (n > 0,) in ns increase and follow on those before without a gap."""
-        return self._stretches.only_goes_on(stamps)
+    def only_go_on(self, stamps: Stamps) -> bool:
+        """Return whether increasing stamps (n > 0,) in ns follow on those before without a gap."""
+        return self._stretches.only_go_on(stamps)
 
     def columns_of(self, imu: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the calibrated channels (n, c) out of columns CHANNELS (n, 6), a view where they lie side by side."""
@@ -153,11 +154,17 @@ class Pipeline:
         return self.add(Need.SUPPLY_VOLTAGE, stamp, volts)
 
     def compensate(
-        self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None = None
+        self,
+        stamps: Stamps,
+        values: NDArray[np.float64],
+        imu: NDArray[np.float64] | None = None,
+        *,
+        ordered: bool | None = None,
     ) -> Compensated:
         """Compensate finite samples, values (n, c) at stamps (n,) in ns.
 
-        imu: (n, 6), columns CHANNELS, needed where an effect reads a channel that is not calibrated. Splitting the
+        imu: (n, 6), columns CHANNELS, needed where an effect reads a channel that is not calibrated. ordered: whether
+        the stamps increase, where the caller knows. Splitting the
         samples over several calls changes no bit of the result. Where the clock does more than go on, filters and
         memories of the acceleration begin anew or are carried: see Cut.
         """
@@ -165,13 +172,15 @@ class Pipeline:
             raise ValueError(f"effects of the calibration need imu: they read {', '.join(missing)}")
         if not len(stamps):
             return zeros(0, len(self._columns))
-        if len(stamps) <= CHUNK and self._stretches.go_on(stamps):
+        ordered = increases(stamps) if ordered is None else ordered
+        if ordered and len(stamps) <= CHUNK and self._stretches.go_on(stamps):
             self._time_lines.follow(int(stamps[0]))
-            return self._compensate(stamps, values, imu)
+            return self._compensate(stamps, values, imu, ordered)
         parts = []
         for rows, cut in self._stretches.split(stamps, CHUNK):
             self._enter(cut, int(stamps[rows.start]))
-            parts.append(self._compensate(stamps[rows], values[rows], None if imu is None else imu[rows]))
+            part = None if imu is None else imu[rows]
+            parts.append(self._compensate(stamps[rows], values[rows], part, ordered))
         return parts[0] if len(parts) == 1 else joined(parts)
 
     def _enter(self, cut: Cut, stamp: int) -> None:
@@ -197,15 +206,18 @@ class Pipeline:
         wide[:, self._columns] = values
         return wide
 
-    def _compensate(self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None) -> Compensated:
+    def _compensate(
+        self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None, ordered: bool
+    ) -> Compensated:
         """Compensate one stretch without a jump back in time."""
-        cells, places = self._slow.at(self.inputs, stamps)
+        cells, places = self._slow.at(self.inputs, stamps, ordered=ordered)
         calibration = self.calibration
         slow = SlowSamples(stamps, cells, places, calibration.features, calibration.calibrated_range, self._uncertainty)
         drift = slow.drift if not self.stage.has_fast else self._with_fast_effects(stamps, values, imu, slow)
         unfiltered = values - drift
         if not self._filtered:
-            return Compensated(unfiltered, drift, np.zeros(drift.shape), unfiltered, slow)
+            nothing = np.zeros(drift.shape) if len(stamps) <= FEW else np.broadcast_to(0.0, drift.shape)
+            return Compensated(unfiltered, drift, nothing, unfiltered, slow)
         corrected, innovation = unfiltered.copy(order="K"), np.zeros_like(unfiltered)
         self._filter(stamps, corrected, innovation)
         return Compensated(corrected, drift, innovation, unfiltered, slow)

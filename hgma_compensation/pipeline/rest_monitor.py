@@ -87,14 +87,24 @@ class RestMonitor:
             self._begin(first)
             if not usable:
                 return
-        self._count += len(stamps)
-        for number, reference in enumerate(self._references):
-            residual = corrected[:, number] - reference
-            self._sum[number] += float(residual.sum())
-            self._squares[number] += float(residual.dot(residual))
+        self._add(corrected)
         if last - self._start >= BLOCK:
             self._end_block(float(at.features[-1, 0]))
             self._begin(last)
+
+    def _add(self, corrected: Array) -> None:
+        """Add samples (n, c) to the sums, of their differences from the references and the squares of these."""
+        count = len(corrected)
+        self._count += count
+        for number, reference in enumerate(self._references):
+            if count == 1:
+                total = value = float(corrected[0, number])
+                squares = value * value
+            else:
+                column = corrected[:, number]
+                total, squares = float(column.sum()), float(column.dot(column))
+            self._sum[number] += total - count * reference
+            self._squares[number] += squares - reference * (2.0 * total - count * reference)
 
     def _begin(self, stamp: int) -> None:
         self._start, self._count = stamp, 0

@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 FEW = 64
 """Samples up to which one operation on all of them is faster than one for each column."""
 
+LARGEST_SQUARE = LARGEST_ACCELERATION * LARGEST_ACCELERATION
+
 
 def usable_samples(stamps: Stamps, values: Array) -> NDArray[np.bool_]:
     """Return (n,) whether samples have a stamp, and values (n, c) that a sensor can have sent."""
@@ -21,28 +23,39 @@ def usable_samples(stamps: Stamps, values: Array) -> NDArray[np.bool_]:
     return np.asarray((stamps > 0) & (np.abs(values) <= LARGEST_ACCELERATION).all(axis=1))
 
 
-def _all_usable(stamps: Stamps, values: Array) -> bool:
-    """Return whether all samples are usable, column by column: the fastest way for a block."""
-    # A NaN is the extreme of its column, and the comparison is false for it.
-    return bool(stamps.min() > 0) and all(
-        column.max() <= LARGEST_ACCELERATION and column.min() >= -LARGEST_ACCELERATION for column in values.T
-    )
+def all_usable(stamps: Stamps, values: Array) -> bool:
+    """Return whether all of n > 0 samples are usable, as ``usable_samples`` says of each."""
+    if len(stamps) == 1:
+        return bool(stamps[0] > 0) and all(abs(value) <= LARGEST_ACCELERATION for value in values[0].tolist())
+    if len(stamps) <= FEW:
+        return bool(usable_samples(stamps, values).all())
+    # No square is larger than the sum of all, which costs a fraction of a look at each value.
+    quiet = bool(stamps.min() > 0) and all(float(column.dot(column)) <= LARGEST_SQUARE for column in values.T)
+    return quiet or bool(usable_samples(stamps, values).all())
 
 
 def reason_to_skip(stamps: Stamps, values: Array) -> Skip | None:
     """Return why samples that belong together (n,) with values (n, c) get no output, None where they do."""
-    if not len(stamps) or (_all_usable(stamps, values) if len(stamps) > FEW else usable_samples(stamps, values).all()):
+    if not len(stamps) or all_usable(stamps, values):
         return None
     if not (stamps > 0).all():
         return Skip.NOT_STAMPED
     return Skip.IMPLAUSIBLE if np.isfinite(values).all() else Skip.NOT_FINITE
 
 
-def out_of_step(stamps: Stamps, newest: int | None) -> dict[Note, int]:
-    """Return how many samples repeat a stamp, or come late, after those up to ``newest`` (ns)."""
+def increases(stamps: Stamps) -> bool:
+    """Return whether each stamp (n > 0,) is later than the one before it."""
+    return len(stamps) == 1 or bool((stamps[1:] > stamps[:-1]).all())
+
+
+def out_of_step(stamps: Stamps, newest: int | None, *, ordered: bool = False) -> dict[Note, int]:
+    """Return how many samples repeat a stamp, or come late, after those up to ``newest`` (ns).
+
+    ordered: whether the stamps are known to increase.
+    """
     if len(stamps) == 1:
         return _single(int(stamps[0]), newest)
-    if newest is not None and stamps[0] > newest and (stamps[1:] > stamps[:-1]).all():
+    if ordered and newest is not None and stamps[0] > newest:
         return {}
     before = np.maximum.accumulate(stamps)[:-1]
     before = np.concatenate([stamps[:1] - 1 if newest is None else [newest], before])

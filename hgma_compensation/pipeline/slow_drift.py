@@ -82,9 +82,13 @@ class SlowDrift:
         self._last: CellValues | None = None
         self._version = self._begin = self._until = 0
 
-    def at(self, inputs: Inputs, stamps: Stamps) -> tuple[CellValues, Places]:
-        """Return the cells in which samples (n > 0,) at stamps in ns lie, and the place of each sample."""
-        if inputs is self._inputs and inputs.version == self._version and self._holds(stamps):
+    def at(self, inputs: Inputs, stamps: Stamps, *, ordered: bool = False) -> tuple[CellValues, Places]:
+        """Return the cells in which samples (n > 0,) at stamps in ns lie, and the place of each sample.
+
+        ordered: whether the stamps are known to increase.
+        """
+        low, high = (stamps[0], stamps[-1]) if ordered or len(stamps) == 1 else (stamps.min(), stamps.max())
+        if inputs is self._inputs and inputs.version == self._version and self._begin <= low and high < self._until:
             assert self._last is not None
             return self._last, Places(None, None)
         cells, places = cells_of(inputs, stamps)
@@ -93,10 +97,6 @@ class SlowDrift:
             self._inputs, self._version, self._last = inputs, inputs.version, values
             self._begin, self._until = int(cells.begin[0]), int(cells.until[0])
         return values, places
-
-    def _holds(self, stamps: Stamps) -> bool:
-        low, high = (stamps[0], stamps[0]) if len(stamps) == 1 else (stamps.min(), stamps.max())
-        return bool(self._begin <= low and high < self._until)
 
     def evaluate(self, inputs: Inputs, cells: Cells) -> CellValues:
         """Return what holds in cells."""

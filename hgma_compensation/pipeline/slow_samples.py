@@ -46,7 +46,7 @@ class SlowSamples:
         """How far each sample is on the way through its cell, (n,), 0 to 1."""
         cells = self._cells
         if self._places.index is None:
-            return (self._stamps - cells.begin) * cells.inverse
+            return (self._stamps - cells.begin[0]) * float(cells.inverse[0])
         return np.asarray((self._stamps - self._spread(cells.begin)) * self._spread(cells.inverse))
 
     def _spread(self, column: NDArray[Any]) -> NDArray[Any]:
@@ -67,6 +67,11 @@ class SlowSamples:
         if self._places.index is None and len(self) <= FEW:
             return np.asarray(line.first + way[:, None] * line.change)
         values = np.empty((line.first.shape[1], len(self)))
+        if self._places.index is None:
+            for row, first, change in zip(values, line.first[0].tolist(), line.change[0].tolist(), strict=True):
+                np.multiply(way, change, out=row)
+                row += first
+            return values.T
         for row, first, change in zip(values, line.first.T, line.change.T, strict=True):
             np.multiply(way, self._spread(change), out=row)
             row += self._spread(first)

@@ -55,18 +55,15 @@ class Stretches:
             self._first, self.newest = int(first or 0), int(newest)
 
     def go_on(self, stamps: Stamps) -> bool:
-        """Move on to stamps (n > 0,) if they do nothing but go on, and return whether they do."""
-        if not self.only_goes_on(stamps):
+        """Move on to increasing stamps (n > 0,) if they do nothing but go on, and return whether they do."""
+        if not self.only_go_on(stamps):
             return False
         self.newest = int(stamps[-1])
         return True
 
-    def only_goes_on(self, stamps: Stamps) -> bool:
-        """Return whether stamps (n > 0,) increase, all of them within the time in which there is no gap."""
-        first, last = int(stamps[0]), int(stamps[-1])
-        if self.newest is None or not self.newest < first <= last <= self.newest + TIME_JUMP:
-            return False
-        return len(stamps) == 1 or bool((stamps[1:] > stamps[:-1]).all())
+    def only_go_on(self, stamps: Stamps) -> bool:
+        """Return whether increasing stamps (n > 0,) follow those before, all within the time that is no gap."""
+        return self.newest is not None and self.newest < stamps[0] and stamps[-1] <= self.newest + TIME_JUMP
 
     def split(self, stamps: Stamps, longest: int) -> Iterator[tuple[slice, Cut]]:
         """Yield the rows of each stretch of at most ``longest`` samples, and what happened before it."""

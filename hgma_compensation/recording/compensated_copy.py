@@ -59,6 +59,7 @@ def write_compensated(
                     writing.take(made)
                 if progress is not None:
                     progress(len(batch), reader.message_count)
+            run.check()
     writing.figures.samples = run.samples
     return writing.figures
 

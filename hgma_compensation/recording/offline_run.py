@@ -23,7 +23,7 @@ from hgma_compensation.recording.bag_topics import BagTopics
 from hgma_compensation.recording.batch import Batch, Indices
 from hgma_compensation.recording.compensated_bag import check_covered
 from hgma_compensation.recording.look_ahead import Held, Slow, behind, parts
-from hgma_compensation.recording.recording import no_thermistor
+from hgma_compensation.recording.recording import Series, no_thermistor
 from hgma_compensation.recording.slow_inputs import read_slow
 from hgma_compensation.stamps import Stamps
 
@@ -53,12 +53,18 @@ class OfflineRun:
     """
 
     def __init__(
-        self, bag: Bag, path: Path, found: BagTopics, calibration: Calibration, connections: list[Connection]
+        self,
+        bag: Bag,
+        path: Path,
+        found: BagTopics,
+        calibration: Calibration,
+        connections: list[Connection],
+        span: tuple[int, int] | None = None,
     ) -> None:
-        """Take the topics to read: those of ``found`` and any others."""
+        """Take the topics to read, those of ``found`` and any others, and the stamps [first, last) in ns that count."""
         self.name = path.name
         self._bag, self._path, self._found, self._calibration = bag, path, found, calibration
-        self._connections = connections
+        self._connections, self._span = connections, span
         numbers = {connection.id: number for number, connection in enumerate(connections)}
         self._fast = np.array([numbers[c.id] for c in found.accelerometer], dtype=np.int64)
         self._slow = [(slow, np.array([numbers[c.id] for c in own], dtype=np.int64)) for slow, own in found.slow if own]
@@ -72,14 +78,17 @@ class OfflineRun:
         self._carried: set[str] = set()
 
     def windows(self) -> Iterator[tuple[Batch, Compensation | None]]:
-        """Yield all messages, and what became of those of the accelerometer among them.
+        """Yield all messages, and what became of those of the accelerometer among them; ``check`` after the last.
 
-        Raises RefusedError where the bag lacks what the calibration needs, some of which shows at its end only.
+        Raises RefusedError where there is no thermistor.
         """
         if not any(slow.need is None for slow, _ in self._slow):
             raise no_thermistor(self.name)
         for batch in behind(self._parts(), self):
             yield batch, self._compensated(batch)
+
+    def check(self) -> None:
+        """Raise RefusedError where the bag, read to its end, lacks what the calibration needs."""
         if not self.samples:
             raise no_samples(self._path, self._found)
         check_covered(self, self._calibration)
@@ -106,8 +115,17 @@ class OfflineRun:
                 rows = np.flatnonzero(np.isin(batch.topics, numbers))
                 if len(rows):
                     series = read_slow(batch.select(rows), one, self._decoders[int(batch.topics[rows[0]])])
+                    inside = self._inside(series.stamps)
+                    series, rows = Series(series.stamps[inside], series.values[inside]), rows[inside]
+                if len(rows):
                     slow.append(Slow(one.need, series, rows))
             yield from parts(batch, slow, last)
+
+    def _inside(self, stamps: Stamps) -> NDArray[np.bool_]:
+        """Return which samples (n,) count."""
+        if self._span is None:
+            return np.ones(len(stamps), dtype=np.bool_)
+        return np.asarray((stamps >= self._span[0]) & (stamps < self._span[1]))
 
     def sets_back(self, part: Held) -> bool:
         """Return whether the first of the slow samples of a part moves those before it to a corrected clock."""
@@ -129,23 +147,25 @@ class OfflineRun:
         own, decode = batch.select(rows), self._decoders[int(batch.topics[rows[0]])]
         source = f"bag {self._path}"
         messages = BlockMessages(own, decode, source) if self._found.blocks else ImuMessages(own, decode)
-        values = messages.values
-        self.samples += len(values)
+        values, inside = messages.values, self._inside(messages.stamps)
+        self.samples += int(np.count_nonzero(inside))
         self._carried |= messages.carried
         self._not_zero |= (values != 0.0).any(axis=0)
-        usable, samples = _usable(messages, usable_samples(messages.stamps, values[:, self._columns_read]))
+        usable, samples = _usable(messages, inside, usable_samples(messages.stamps, values[:, self._columns_read]))
         if len(samples) < len(values):
             values = values[samples]
         result = self._pipeline.compensate(messages.stamps[samples], values[:, self._columns], values)
         return Compensation(messages, own.times, usable, samples, result)
 
 
-def _usable(messages: ImuMessages | BlockMessages, usable: NDArray[np.bool_]) -> tuple[Indices, Indices]:
-    """Return the messages all of whose samples are usable, and that have any, and the samples of these."""
+def _usable(
+    messages: ImuMessages | BlockMessages, inside: NDArray[np.bool_], usable: NDArray[np.bool_]
+) -> tuple[Indices, Indices]:
+    """Return the messages that have samples that count, all of them usable, and these samples."""
     if isinstance(messages, ImuMessages):
-        rows = np.flatnonzero(usable)
+        rows = np.flatnonzero(inside & usable)
         return rows, rows
     message = np.repeat(np.arange(len(messages.counts)), messages.counts)
-    good = messages.counts > 0
-    good[message[~usable]] = False
-    return np.flatnonzero(good), np.flatnonzero(good[message])
+    good = np.bincount(message[inside], minlength=len(messages.counts)) > 0
+    good[message[inside & ~usable]] = False
+    return np.flatnonzero(good), np.flatnonzero(inside & good[message])

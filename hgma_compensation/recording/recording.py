@@ -1,5 +1,6 @@
 """A recording as arrays."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,6 +27,27 @@ class Series:
         """Return the samples with start <= stamp < end (ns)."""
         inside = (self.stamps >= start) & (self.stamps < end)
         return Series(self.stamps[inside], self.values[inside])
+
+
+@dataclass(frozen=True)
+class Extent:
+    """When a recording was made. start: ns. duration: s."""
+
+    name: str
+    start: int
+    duration: float
+
+    def span(self, start: float | None, end: float | None) -> tuple[int, int]:
+        """Return the stamps [first, last) in ns from start to before end, in s from the start of the recording."""
+        last = self.start + to_nanoseconds(end) if end is not None else int(np.iinfo(np.int64).max)
+        return self.start + to_nanoseconds(start or 0.0), last
+
+    def nothing_left(self, start: float | None, end: float | None) -> RefusedError:
+        """Return the refusal of a part without samples."""
+        until = "its end" if end is None else f"{end:g} s"
+        return RefusedError(
+            f"{self.name} has no sample from {start or 0:g} s until {until}: it lasts {self.duration:.1f} s"
+        )
 
 
 @dataclass(frozen=True)
@@ -58,6 +80,15 @@ class Recording:
         """Time from the first to the last accelerometer sample, s."""
         return float((self.stamps.max() - self.stamps.min()) / NANOSECONDS)
 
+    @property
+    def samples(self) -> int:
+        """Number of accelerometer samples."""
+        return len(self.stamps)
+
+    def windows(self) -> Iterator[tuple[Stamps, NDArray[np.float64]]]:
+        """Yield stamps (n,) and values (n, 6) of the accelerometer samples: here all at once."""
+        yield self.stamps, self.values
+
     def cut(self, start: float | None, end: float | None) -> "Recording":
         """Return the part from start to before end, in s from the start of the recording.
 
@@ -65,14 +96,11 @@ class Recording:
         """
         if start is None and end is None:
             return self
-        first = self.start + to_nanoseconds(start or 0.0)
-        last = self.start + to_nanoseconds(end) if end is not None else np.iinfo(np.int64).max
+        extent = Extent(self.name, self.start, self.duration)
+        first, last = extent.span(start, end)
         inside = (self.stamps >= first) & (self.stamps < last)
         if not inside.any():
-            until = "its end" if end is None else f"{end:g} s"
-            raise RefusedError(
-                f"{self.name} has no sample from {start or 0:g} s until {until}: it lasts {self.duration:.1f} s"
-            )
+            raise extent.nothing_left(start, end)
         return replace(
             self,
             stamps=self.stamps[inside],

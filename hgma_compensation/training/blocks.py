@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from hgma_compensation.channels import columns_of
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.pipeline.screening import usable_samples
-from hgma_compensation.recording.recording import Recording
 from hgma_compensation.stamps import seconds_between
 from hgma_compensation.temperature.features import FeatureSettings, read_features
 from hgma_compensation.temperature.track import TemperatureTrack
+from hgma_compensation.training.source import Source
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Blocks:
 
 
 def block_means(
-    recordings: Sequence[Recording], channels: Sequence[str], settings: FeatureSettings, seconds: float
+    recordings: Sequence[Source], channels: Sequence[str], settings: FeatureSettings, seconds: float
 ) -> Blocks:
     """Return the means of samples over blocks of the given length (s).
 
@@ -58,31 +58,75 @@ FEWEST = 50
 
 
 def _of_recording(
-    recording: Recording, number: int, channels: Sequence[str], settings: FeatureSettings, seconds: float
+    recording: Source, number: int, channels: Sequence[str], settings: FeatureSettings, seconds: float
 ) -> Blocks:
     recording.require_temperature()
     track = TemperatureTrack(settings.noise)
     track.extend(recording.temperature.stamps, recording.temperature.values)
-    features = read_features(track, settings, recording.stamps)
-    values = recording.values[:, columns_of(channels)]
-    usable = (
-        (features.since_power_on >= settings.prediction_horizon)
-        & (features.age <= settings.prediction_horizon)
-        & ~features.unusable
-        & usable_samples(recording.stamps, values)
-    )
-    time = seconds_between(recording.stamps, recording.start)[usable]
-    index = np.floor(time / seconds).astype(np.int64)
-    columns = np.column_stack([time, features.values[usable], values[usable]])
-    means = group_means(index, columns)
+    sums = GroupSums(4 + len(channels))
+    for stamps, samples in recording.windows():
+        features = read_features(track, settings, stamps)
+        values = samples[:, columns_of(channels)]
+        usable = (
+            (features.since_power_on >= settings.prediction_horizon)
+            & (features.age <= settings.prediction_horizon)
+            & ~features.unusable
+            & usable_samples(stamps, values)
+        )
+        time = seconds_between(stamps, recording.start)[usable]
+        index = np.floor(time / seconds).astype(np.int64)
+        sums.add(index, np.column_stack([time, features.values[usable], values[usable]]))
+    means = sums.means()
     return Blocks(means[:, 0], np.full(len(means), number), means[:, 1:4], means[:, 4:])
 
 
 def group_means(index: NDArray[np.int64], columns: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the means of columns (n, k) over equal values of index (n,), in increasing order of it."""
-    _, inverse, counts = np.unique(index, return_inverse=True, return_counts=True)
-    sums = np.stack([np.bincount(inverse, weights=column, minlength=len(counts)) for column in columns.T], axis=1)
-    return np.asarray(sums / counts[:, None])
+    sums = GroupSums(columns.shape[1])
+    sums.add(index, columns)
+    return sums.means()
+
+
+_Groups = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]
+"""Index, number of rows and sums of groups."""
+
+
+class GroupSums:
+    """Sums of columns over equal values of an index, of rows that come in parts; the parts change no bit of them."""
+
+    def __init__(self, width: int) -> None:
+        """Start without rows of so many columns."""
+        self._closed: list[_Groups] = []
+        self._open: _Groups = (np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty((0, width)))
+
+    def add(self, index: NDArray[np.int64], columns: NDArray[np.float64]) -> None:
+        """Take rows (n, k) of an index (n,)."""
+        if not len(index):
+            return
+        if len(self._open[0]) and index.min() < self._open[0][-1]:
+            self._open = self._all()  # a time that steps back: its groups may be any
+            self._closed = []
+        known, counted, summed = self._open
+        groups, inverse, counts = np.unique(np.concatenate([known, index]), return_inverse=True, return_counts=True)
+        counts[np.searchsorted(groups, known)] += counted - 1
+        # What there was of a group is the first that is added: the order of summation is that of the rows.
+        sums = [
+            np.bincount(inverse, weights=np.concatenate([summed[:, k], columns[:, k]]), minlength=len(groups))
+            for k in range(columns.shape[1])
+        ]
+        whole = np.stack(sums, axis=1).astype(np.float64, copy=False)
+        self._closed.append((groups[:-1], counts[:-1], whole[:-1]))
+        self._open = groups[-1:], counts[-1:], whole[-1:]
+
+    def _all(self) -> _Groups:
+        parts = [*self._closed, self._open]
+        index, counts, sums = (np.concatenate([part[k] for part in parts]) for k in range(3))
+        return index, counts, sums
+
+    def means(self) -> NDArray[np.float64]:
+        """Return the means (groups, k) in increasing order of the index."""
+        _, counts, sums = self._all()
+        return np.asarray(sums / counts[:, None])
 
 
 def noise_of_means(values: NDArray[np.float64]) -> float:

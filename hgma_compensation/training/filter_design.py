@@ -1,14 +1,18 @@
 """Noise of the Kalman stage from a recording."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from hgma_compensation.channels import columns_of
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.design import settled_filter
 from hgma_compensation.kalman.random_walk import RandomWalkNoise
 from hgma_compensation.kalman.settings import FilterMode, FilterSettings
 from hgma_compensation.stamps import NANOSECONDS, Stamps
 from hgma_compensation.training.blocks import noise_of_means
+from hgma_compensation.training.source import Source
 
 LEAST_REDUCTION = 1.1
 """Noise reduction below which a filter costs lag and gives nothing."""
@@ -16,6 +20,27 @@ LEAST_REDUCTION = 1.1
 
 TIME_CONSTANTS = {FilterMode.SMOOTH: 1.0, FilterMode.BIAS: 300.0}
 """s, unless the user gives one: a bias wanders slowly, and must not follow a manoeuvre."""
+
+
+MOST_SAMPLES = 1 << 20
+"""Samples up to which the noise is told from all of them."""
+
+STRETCHES, STRETCH = 64, 4096
+"""Of a longer recording so many stretches of so many samples are taken, evenly spread."""
+
+
+def spread_samples(recording: Source, channels: Sequence[str]) -> tuple[Stamps, NDArray[np.float64]]:
+    """Return stamps (n,) and values (n, c) of a recording's samples, of a long one those of evenly spread stretches.
+
+    Where one stretch ends and the next begins, two differences are no noise: medians are deaf to so few.
+    """
+    parts, done, columns = [], 0, columns_of(channels)
+    long, period = recording.samples > MOST_SAMPLES, recording.samples // STRETCHES
+    for stamps, values in recording.windows():
+        chosen = (done + np.arange(len(stamps))) % period < STRETCH if long else np.ones(len(stamps), dtype=np.bool_)
+        parts.append((stamps[chosen], values[chosen][:, columns]))
+        done += len(stamps)
+    return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
 
 
 def design_filter(

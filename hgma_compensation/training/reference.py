@@ -1,6 +1,6 @@
 """The value that a still sensor should show: what is left of the raw output is drift."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,9 +39,13 @@ class Reference:
         One number serves all channels; three are for the axes of the acceleration; else there must be
         one for each channel. Raises RefusedError where the numbers do not fit.
         """
+        # Column by column: a sum over rows would round differently for another set of channels.
+        return self.beside(channels, lambda: np.array([np.mean(column[np.isfinite(column)]) for column in values.T]))
+
+    def beside(self, channels: Sequence[str], means: Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
+        """Return the reference of each channel (c,) as ``of`` does, given what returns the samples' means (c,)."""
         if not self.numbers:
-            # Column by column: a sum over rows would round differently for another set of channels.
-            return np.array([np.mean(column[np.isfinite(column)]) for column in values.T])
+            return means()
         if len(self.numbers) == 1:
             return np.full(len(channels), self.numbers[0])
         if len(self.numbers) == len(AXES) and all(group_of(c) == GROUPS[0] for c in channels):

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.recording.recording import Recording, Series
+from hgma_compensation.recording.recording import Series
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.temperature.features import FeatureSettings, Product
 from hgma_compensation.temperature.noise import fit_trend_noise
 from hgma_compensation.temperature.track import PLAUSIBLE_CELSIUS
+from hgma_compensation.training.source import Source
 
 HORIZON_INTERVALS = 10
 SHORTEST_HORIZON, LONGEST_HORIZON = 2.0, 60.0
@@ -27,7 +28,7 @@ FEWEST = 50
 
 
 def feature_settings(
-    recordings: Sequence[Recording], *, delay: float, product: Product, reference_temperature: float
+    recordings: Sequence[Source], *, delay: float, product: Product, reference_temperature: float
 ) -> FeatureSettings:
     """Return settings whose noise is fitted to the recordings' thermistors.
 

@@ -14,14 +14,15 @@ from hgma_compensation.drift.inputs import Array
 from hgma_compensation.drift.model import CalibratedRange
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.recording.recording import Recording
+from hgma_compensation.stamps import Stamps
 from hgma_compensation.temperature.features import FeatureSettings, Product
 from hgma_compensation.training.blocks import Blocks, block_means, noise_of_means
-from hgma_compensation.training.filter_design import design_filter
+from hgma_compensation.training.filter_design import design_filter, spread_samples
 from hgma_compensation.training.folds import Folds, cycle_folds
 from hgma_compensation.training.genetic import GeneticSettings
 from hgma_compensation.training.methods import Method, fit_drift
 from hgma_compensation.training.reference import Reference
+from hgma_compensation.training.source import Source
 from hgma_compensation.training.thermistor import feature_settings
 
 MOST_BLOCKS = 2500
@@ -29,6 +30,9 @@ MOST_BLOCKS = 2500
 
 SMALLEST_SPAN = 1.0
 """°C of temperature change below which there is no drift to learn."""
+
+_NOTHING: tuple[Stamps, Array] = np.empty(0, dtype=np.int64), np.empty(0)
+"""Samples where no filter is designed."""
 
 Progress = Callable[[str, int, float], None]
 """Called with the channel, the generation and the best fitness so far."""
@@ -55,7 +59,7 @@ class TrainingOptions:
     genetic: GeneticSettings = field(default_factory=GeneticSettings)
 
 
-def train(recordings: Sequence[Recording], options: TrainingOptions, progress: Progress | None = None) -> Calibration:
+def train(recordings: Sequence[Source], options: TrainingOptions, progress: Progress | None = None) -> Calibration:
     """Return a calibration fitted to all recordings together; the same seed gives the same one.
 
     Raises RefusedError where the recordings cannot carry it.
@@ -72,14 +76,14 @@ def train(recordings: Sequence[Recording], options: TrainingOptions, progress: P
     return train_on_blocks(blocks, recordings, channels, settings, block, options, progress)
 
 
-def block_length(recordings: Sequence[Recording], shortest: float) -> float:
+def block_length(recordings: Sequence[Source], shortest: float) -> float:
     """Return the length (s) of the means to fit: the shortest, unless that makes more than MOST_BLOCKS of them."""
     return max(shortest, sum(recording.duration for recording in recordings) / MOST_BLOCKS)
 
 
 def train_on_blocks(
     blocks: Blocks,
-    recordings: Sequence[Recording],
+    recordings: Sequence[Source],
     channels: tuple[str, ...],
     settings: FeatureSettings,
     block: float,
@@ -90,11 +94,14 @@ def train_on_blocks(
     _check_span(blocks, recordings)
     folds = cycle_folds(blocks)
     references = options.reference.of(channels, blocks.values)
+    filtered = options.filter is not FilterMode.OFF
+    stamps, samples = spread_samples(recordings[0], channels) if filtered else _NOTHING
     fitted = []
     for column, name in enumerate(channels):
         target = blocks.values[:, column] - references[column]
         fit = _ChannelFit(options, blocks.features, target, folds, _seed(options.seed, name), block)
-        fitted.append(fit.calibrate(name, float(references[column]), recordings, progress))
+        noisy = stamps, samples[:, column] if filtered else samples
+        fitted.append(fit.calibrate(name, float(references[column]), noisy, progress))
     return with_id(
         Calibration(
             sensor_id=options.sensor_id or recordings[0].frame or "unnamed",
@@ -118,8 +125,9 @@ class _ChannelFit:
     block: float
 
     def calibrate(
-        self, name: str, reference: float, recordings: Sequence[Recording], progress: Progress | None
+        self, name: str, reference: float, samples: tuple[Stamps, Array], progress: Progress | None
     ) -> ChannelCalibration:
+        """Return the calibration of the channel; samples: stamps (n,) and values (n,) that a filter is designed for."""
         noise = noise_of_means(self.target)
         fit = fit_drift(
             self.options.method,
@@ -133,12 +141,10 @@ class _ChannelFit:
         )
         residual = self.target - fit.drift.evaluate(self.features)
         error = ChannelError(float(np.sqrt(np.mean(residual**2))), noise, fit.cross_validated)
-        first = recordings[0]
         stage = design_filter(
             self.options.filter,
             self.options.filter_time_constant,
-            first.stamps,
-            first.values[:, CHANNELS.index(name)],
+            *samples,
             name,
             error=error.unseen,
             block=self.block,
@@ -146,7 +152,7 @@ class _ChannelFit:
         return ChannelCalibration(name, fit.drift, reference, stage, error)
 
 
-def choose_channels(recordings: Sequence[Recording], wanted: tuple[str, ...] | None) -> tuple[str, ...]:
+def choose_channels(recordings: Sequence[Source], wanted: tuple[str, ...] | None) -> tuple[str, ...]:
     """Return the channels to train: those wanted, or all that every recording has.
 
     Raises RefusedError for a channel that a recording lacks.
@@ -169,7 +175,7 @@ def _seed(seed: int, channel: str) -> int:
     return int(np.random.SeedSequence([seed, CHANNELS.index(channel)]).generate_state(1)[0])
 
 
-def _check_span(blocks: Blocks, recordings: Sequence[Recording]) -> None:
+def _check_span(blocks: Blocks, recordings: Sequence[Source]) -> None:
     span = float(np.ptp(blocks.features[:, 0]))
     if span < SMALLEST_SPAN:
         names = ", ".join(recording.name for recording in recordings)
@@ -179,9 +185,7 @@ def _check_span(blocks: Blocks, recordings: Sequence[Recording]) -> None:
         )
 
 
-def _provenance(
-    recordings: Sequence[Recording], options: TrainingOptions, block: float, folds: Folds
-) -> dict[str, Any]:
+def _provenance(recordings: Sequence[Source], options: TrainingOptions, block: float, folds: Folds) -> dict[str, Any]:
     """Return what the file says of the training; no clock in it, so that equal training gives an equal id."""
     return {
         "tool": f"hgma_compensation {__version__}",
@@ -195,7 +199,7 @@ def _provenance(
                 "name": recording.name,
                 "start": recording.start,
                 "duration": recording.duration,
-                "samples": len(recording.stamps),
+                "samples": recording.samples,
             }
             for recording in recordings
         ],

@@ -1,0 +1,58 @@
+"""Error of a bag before and after compensation, in memory that does not depend on its length."""
+
+from pathlib import Path
+
+from hgma_compensation import topics
+from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.channels import columns_of
+from hgma_compensation.errors import RefusedError
+from hgma_compensation.evaluation.evaluate import Evaluation
+from hgma_compensation.evaluation.long_evaluation import LongEvaluation, Part
+from hgma_compensation.progress import Advance
+from hgma_compensation.recording.bag_reader import no_samples, open_bag
+from hgma_compensation.recording.bag_topics import BagTopics
+from hgma_compensation.recording.offline_run import OfflineRun
+from hgma_compensation.recording.recording import Extent
+from hgma_compensation.recording.streamed import survey
+from hgma_compensation.training.reference import Reference
+
+
+def evaluate_bag(
+    path: Path,
+    calibration: Calibration,
+    reference: Reference,
+    *,
+    names: topics.TopicNames,
+    span: tuple[float | None, float | None] = (None, None),
+    progress: Advance | None = None,
+) -> Evaluation:
+    """Return the errors of a bag, compensated as ``hgma compensate`` does.
+
+    span: s from the start of the recording that count, from the first to before the second. Raises RefusedError where
+    the bag lacks what the calibration needs, or no sample is left.
+    """
+    path, extent, stamps = Path(path), None, None
+    if span != (None, None):
+        whole = survey(path, names)
+        if whole is not None:
+            extent = Extent(whole.name, whole.start, whole.duration)
+            stamps = extent.span(*span)
+    with open_bag(path) as bag:
+        found = BagTopics(bag, path, names)
+        # Where only a part is asked for, or in blocks, there may be fewer or more samples.
+        declared = 0 if extent is not None else sum(connection.msgcount for connection in found.accelerometer)
+        run = OfflineRun(bag, path, found, calibration, found.read, stamps)
+        gathered = LongEvaluation(calibration, reference, declared)
+        for batch, made in run.windows():
+            if made is not None and len(made.samples):
+                raw = made.messages.values[made.samples][:, columns_of(calibration.names)]
+                result = made.result
+                gathered.add(Part(made.messages.stamps[made.samples], raw, result.values, result.features[:, 0].copy()))
+            if progress is not None:
+                progress(len(batch))
+    if not run.samples:
+        raise no_samples(path, found) if extent is None else extent.nothing_left(*span)
+    run.check()
+    if not gathered.samples:
+        raise RefusedError(f"{path.name} has no sample that is finite in all channels that the calibration needs")
+    return gathered.evaluation()
