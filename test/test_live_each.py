@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 from builders import LINEAR, make_calibration
-from effect_calibrations import calibrations, with_all_inputs
+from effect_calibrations import OFFERED, applied, calibrations, with_all_inputs
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -44,9 +44,13 @@ def streams(draw):
     return stamps, values, [0, *cuts, COUNT]
 
 
-def run(stamps, values, cuts, calibration, stop, *, together):
-    """Return the results of all batches as bytes, their rows and the counts; slow inputs come before each batch."""
+def run(stamps, values, cuts, calibration, stop, *, together=False, ordinary=False):
+    """Return the results of all batches as bytes, their rows and the counts; slow inputs come before each batch.
+
+    ordinary: whether samples of which nothing is to be said are taken in plain numbers, whose values are all there is.
+    """
     live = LiveCompensation()
+    live.ordinary = 0
     live.stop_on = UNUSABLE if stop else frozenset()
     live.install(calibration)
     given_until = dict.fromkeys(SLOW, 0)
@@ -67,12 +71,22 @@ def run(stamps, values, cuts, calibration, stop, *, together):
                 outputs.append([getattr(found[0].compensated, name).tobytes() for name in Compensated.FIELDS])
             continue
         for row in range(begin, end):
+            if (
+                ordinary
+                and (found := live.compensate_ordinary(int(stamps[row]), tuple(values[row].tolist()))) is not None
+            ):
+                rows.append(row)
+                outputs.append([np.array(found).tobytes()])
+                live.ordinary += 1
+                continue
             result = live.compensate(stamps[row : row + 1], values[row : row + 1])
             if result is not None:
                 rows.append(row)
-                outputs.append([getattr(result.compensated, name).tobytes() for name in Compensated.FIELDS])
+                names = Compensated.FIELDS[:1] if ordinary else Compensated.FIELDS
+                outputs.append([getattr(result.compensated, name).tobytes() for name in names])
     joined = [b"".join(parts) for parts in zip(*outputs, strict=True)]
-    return joined, rows, dict(live.counts), live.received, live.compensated
+    rest = [live.observer.problems(), live.observer.values(), live.position, live.ordinary > 0]
+    return joined, rows, dict(live.counts), live.received, live.compensated, rest
 
 
 @settings(max_examples=60, deadline=None)
@@ -80,8 +94,38 @@ def run(stamps, values, cuts, calibration, stop, *, together):
 def test_a_batch_of_messages_is_its_messages_one_after_the_other(stream, calibration, stop):
     together = run(*stream, calibration, stop, together=True)
     alone = run(*stream, calibration, stop, together=False)
-    assert together[1:] == alone[1:]
+    assert together[1:5] == alone[1:5]
     assert together[0] == alone[0]
+
+
+@settings(max_examples=40, deadline=None)
+@given(streams(), st.integers(1, 5), st.booleans())
+def test_samples_of_which_nothing_is_to_be_said_are_those_that_are_looked_at(stream, seed, stop):
+    slow = [effect for effect in OFFERED[LINEAR[1]] if effect.slow]
+    effects = [applied(LINEAR[1], effect, np.random.default_rng(seed)) for effect in slow[seed :: len(slow) // 2]]
+    calibration = make_calibration(seed, channels=LINEAR[1:], effects=effects)
+    plain, looked_at = (run(*stream, calibration, stop, ordinary=ordinary) for ordinary in (True, False))
+    assert plain[0] == looked_at[0][:1]
+    assert plain[1:5] == looked_at[1:5]
+    assert plain[5][:3] == looked_at[5][:3]
+
+
+def test_most_samples_of_a_still_stream_have_nothing_to_be_said_of_them():
+    live = LiveCompensation()
+    live.install(make_calibration(channels=LINEAR))
+    ordinary = 0
+    for row in range(COUNT):
+        stamp = int(RECORDING.stamps[row]) + 20 * NANOSECONDS
+        live.add_temperature(stamp, 25.0 + 0.001 * (row % 3))
+        for part in range(1, 11):
+            at = stamp + part * 9_000_000
+            if live.compensate_ordinary(at, tuple(RECORDING.values[row].tolist())) is not None:
+                ordinary += 1
+            else:
+                live.compensate(np.array([at]), RECORDING.values[row : row + 1])
+    # The delay of ΔT is 20 s of the 30 s.
+    assert ordinary > 0.8 * 10 * COUNT / 3
+    assert live.received == live.compensated == 10 * COUNT
 
 
 def test_without_a_calibration_all_are_counted():

@@ -11,7 +11,7 @@ from sensor_msgs.msg import Imu
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.cdr.imu import ImuBatch, batches
 from hgma_compensation.cdr.rows import unstacked
-from hgma_compensation.cdr.single_imu import SingleImuReader
+from hgma_compensation.cdr.single_imu import SingleImu, SingleImuReader
 from hgma_compensation.channels import GROUPS, group_of
 from hgma_compensation.messages import absent_groups, imu_values, patch_covariances, patch_imu, stamp_of
 from hgma_compensation.node.admission import Admission
@@ -54,23 +54,32 @@ class ImuStream:
         if message is None:
             return self._take_message(raw)
         reason = self._admission.reason_to_skip(message.frame)
-        names, groups = self._covered()
+        groups = self._covered()[1]
         if reason is None and any(message.absent(group) for group in groups):
             reason = Skip.ABSENT
         if reason is not None:
             self._live.skip_unseen(reason, 1)
             return message.stamp
+        if self._states.rest(message.stamp):
+            values = self._live.compensate_ordinary(message.stamp, message.values)
+            if values is not None:
+                self._publish(message, values, None)
+                return message.stamp
         answer = self._live.compensate_each(*single_sample(message.stamp, message.values))
         if answer is not None:
             result, compensated = answer[0], answer[0].compensated
             added = compensated.added_variance(0)
             variances = None if added is None else added.tolist()
-            patched, valid = message.patched(names, compensated.values[0].tolist(), variances)
-            if not valid:
-                self._live.note(Note.COVARIANCE_INVALID)
-            publish_all(self._publisher, [patched])
+            self._publish(message, compensated.values[0].tolist(), variances)
             self._states.tell_last(message.stamp, result, lambda _: header_of(raw, message.frame))
         return message.stamp
+
+    def _publish(self, message: SingleImu, values: list[float], variances: list[float] | None) -> None:
+        """Publish a message with values (c) of the calibrated channels, and variances added to it."""
+        patched, valid = message.patched(self._names, values, variances)
+        if not valid:
+            self._live.note(Note.COVARIANCE_INVALID)
+        publish_all(self._publisher, [patched])
 
     def _covered(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Return the channels of the calibration in use and the fields they belong to; none without one."""

@@ -50,6 +50,10 @@ class States:
         """Choose the next sample, whatever it is."""
         self._rate.reset()
 
+    def rest(self, stamp: int) -> bool:
+        """Return whether an ordinary sample at a stamp (ns) gets no state."""
+        return self._rate.rests(stamp)
+
     def tell(self, stamps: Stamps, result: LiveResult, header: Callable[[int], Header]) -> None:
         """Take samples (n,) that got an output, in order; ``header`` returns that of the message of a row."""
         compensated = result.compensated

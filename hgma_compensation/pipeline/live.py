@@ -15,6 +15,7 @@ from hgma_compensation.pipeline.compensated import Compensated, joined
 from hgma_compensation.pipeline.live_memory import LiveMemory
 from hgma_compensation.pipeline.live_state import ACCELERATION, INPUTS, LiveState
 from hgma_compensation.pipeline.observer import Observer
+from hgma_compensation.pipeline.ordinary_line import OrdinaryLine
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.prepared import Histories, Prepared, prepare
 from hgma_compensation.pipeline.reasons import LATE, Note, Skip, sample_name
@@ -54,6 +55,7 @@ class LiveCompensation:
         self._pipeline: Pipeline | None = None
         self._frame: str | None = None
         self._memory = LiveMemory()
+        self._line: OrdinaryLine | None = None
 
     @property
     def calibration(self) -> Calibration | None:
@@ -89,17 +91,18 @@ class LiveCompensation:
         prepared.catch_up(self._memory.samples)
         if self._pipeline is not None:
             prepared.pipeline.succeed(self._pipeline)
-        self._pipeline = prepared.pipeline
+        self._pipeline, self._line = prepared.pipeline, None
         self.observer = Observer(prepared.pipeline, self.counts)
 
     def remove_calibration(self) -> None:
         """Drop the calibration; samples are skipped until another is installed."""
-        self._pipeline = self.observer = None
+        self._pipeline = self.observer = self._line = None
         self.last_result = None
 
     def reset(self) -> None:
         """Forget the history of all inputs, memories and filter states; calibration and counts stay."""
         self._memory.clear()
+        self._line = None
         if self._pipeline is not None and self.observer is not None:
             self._pipeline.reset()
             self.observer.reset()
@@ -143,6 +146,7 @@ class LiveCompensation:
     def _restore(self, state: LiveState) -> None:
         """Go on from a state; memories of another calibration's are built anew from the samples in it."""
         self._memory.take(state)
+        self._line = None
         if self._pipeline is None:
             self._memory.past = Past.REPLAYED
             return
@@ -228,6 +232,28 @@ class LiveCompensation:
         self.compensated += len(rows)
         return LiveResult(self._pipeline.calibration, result), rows
 
+    def compensate_ordinary(self, stamp: int, values: tuple[float, ...]) -> list[float] | None:
+        """Return the channels (c,) of a sample of which nothing is to be said; None: give it to ``compensate``.
+
+        stamp: ns. values: (6,) in the order of CHANNELS. Every bit, count and later result is as after ``compensate``;
+        only ``last_result`` stays that of the last sample that was looked at, in the same cell.
+        """
+        line, pipeline, observer = self._line, self._pipeline, self.observer
+        if line is None or pipeline is None or observer is None or not observer.goes_on(stamp):
+            return None
+        found = line.compensated(stamp, values)
+        if found is None or not pipeline.go_on_to(line, stamp):
+            return None
+        observer.observe_one(found)
+        self.received += 1
+        self.compensated += 1
+        return found
+
+    def _draw_line(self, pipeline: Pipeline, observer: Observer) -> None:
+        """Draw the line for the samples that follow, if nothing will have to be said of them."""
+        line = pipeline.ordinary_line()
+        self._line = line if line is not None and observer.silent_until(line.until) else None
+
     def _usable_rows(self, stamps: Stamps, read: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the rows (k,) of samples that are usable, read (n, r) being what is read of them; count the others."""
         usable = usable_samples(stamps, read)
@@ -260,6 +286,8 @@ class LiveCompensation:
             self.counts[note.value] += count
         result = pipeline.compensate(stamps, pipeline.columns_of(values), values, ordered=ordered)
         observer.observe(stamps, result)
+        if len(stamps) == 1:
+            self._draw_line(pipeline, observer)
         return LiveResult(pipeline.calibration, result)
 
     def covers(self, groups: Collection[str]) -> bool:

@@ -46,6 +46,25 @@ class Observer:
                 self._counts[note.value] += count
         self._rest.take(stamps, result.unfiltered, result, usable=usable)
 
+    def silent_until(self, until: int) -> bool:
+        """Return whether no sample from the newest one to a stamp (ns) has anything to be said of but itself."""
+        newest = self._pipeline.newest
+        if newest is None:
+            return False
+        found = [(need, self._pipeline.inputs.updates(need).last) for need in self._pipeline.inputs.wanted]
+        return all(
+            last is not None and (last - newest <= LONGEST_LEAD if need is None else until - last <= POWER_OFF)
+            for need, last in found
+        )
+
+    def goes_on(self, stamp: int) -> bool:
+        """Return whether ``observe_one`` may take a sample at a stamp, ns."""
+        return self._rest.goes_on(stamp)
+
+    def observe_one(self, corrected: list[float]) -> None:
+        """Take a sample (c,) of which nothing is to be said, less its drift."""
+        self._rest.add_one(corrected)
+
     def _usable(self, status: NDArray[np.uint8]) -> bool:
         """Count each status (n,) but OK, and return whether there is no other."""
         found = np.bincount(status).tolist()

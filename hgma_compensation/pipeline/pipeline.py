@@ -15,6 +15,7 @@ from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.stage import Consistency, KalmanStage
 from hgma_compensation.pipeline.compensated import Compensated, joined, zeros
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG, Inputs
+from hgma_compensation.pipeline.ordinary_line import OrdinaryLine
 from hgma_compensation.pipeline.screening import increases
 from hgma_compensation.pipeline.slow_drift import SlowDrift
 from hgma_compensation.pipeline.slow_samples import FEW, SlowSamples
@@ -77,6 +78,21 @@ class Pipeline:
     def take_consistency(self) -> list[Consistency]:
         """Return for each channel what the innovations of its Kalman stage were like since the last call."""
         return [Consistency() if stage is None else stage.take_consistency() for stage in self._filters]
+
+    def ordinary_line(self) -> OrdinaryLine | None:
+        """Return the line on which samples lie that do nothing but go on from the newest one; None: look at each."""
+        if self._filtered or self.stage.has_fast or not self._time_lines.single:
+            return None
+        last = self._slow.last_cell(self.inputs)
+        return None if last is None else OrdinaryLine.of(self.inputs, *last, self._columns)
+
+    def go_on_to(self, line: OrdinaryLine, stamp: int) -> bool:
+        """Move on to a stamp (ns) if a sample there is on the line and only goes on; return whether it does."""
+        newest = self._stretches.newest
+        if newest is None or not line.holds(stamp, newest, self.inputs) or not self._time_lines.single:
+            return False
+        self._stretches.newest = stamp
+        return True
 
     def only_go_on(self, stamps: Stamps) -> bool:
         """Return whether increasing stamps (n > 0,) in ns follow on those before without a gap."""

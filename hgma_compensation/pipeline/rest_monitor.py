@@ -92,17 +92,27 @@ class RestMonitor:
             self._end_block(float(at.features[-1, 0]))
             self._begin(last)
 
+    def goes_on(self, stamp: int) -> bool:
+        """Return whether a sample at a stamp (ns) neither begins nor ends a block."""
+        return self._count > 0 and 0 <= stamp - self._start < BLOCK
+
+    def add_one(self, corrected: list[float]) -> None:
+        """Take one sample less its drift (c,) that ``goes_on``, with a temperature that the calibration knows."""
+        self._count += 1
+        for number, reference in enumerate(self._references):
+            residual = corrected[number] - reference
+            self._sum[number] += residual
+            self._squares[number] += residual * residual
+
     def _add(self, corrected: Array) -> None:
         """Add samples (n, c) to the sums, of their differences from the references and the squares of these."""
+        if len(corrected) == 1:
+            return self.add_one(corrected[0].tolist())
         count = len(corrected)
         self._count += count
         for number, reference in enumerate(self._references):
-            if count == 1:
-                total = value = float(corrected[0, number])
-                squares = value * value
-            else:
-                column = corrected[:, number]
-                total, squares = float(column.sum()), float(column.dot(column))
+            column = corrected[:, number]
+            total, squares = float(column.sum()), float(column.dot(column))
             self._sum[number] += total - count * reference
             self._squares[number] += squares - reference * (2.0 * total - count * reference)
 

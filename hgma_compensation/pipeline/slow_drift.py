@@ -98,6 +98,12 @@ class SlowDrift:
             self._begin, self._until = int(cells.begin[0]), int(cells.until[0])
         return values, places
 
+    def last_cell(self, inputs: Inputs) -> tuple[CellValues, int] | None:
+        """Return the last cell that was evaluated alone, and the stamp (ns) at which it ends; None where it is old."""
+        if self._last is None or inputs is not self._inputs or inputs.version != self._version:
+            return None
+        return self._last, self._until
+
     def evaluate(self, inputs: Inputs, cells: Cells) -> CellValues:
         """Return what holds in cells."""
         ends, known = np.concatenate([cells.begin, cells.end]), np.concatenate([cells.begin, cells.begin])

@@ -9,10 +9,14 @@ from bisect import bisect_left
 import numpy as np
 from numpy.typing import NDArray
 
+from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.stamps import Stamps, to_nanoseconds
 
 DEFAULT_RATE = 20.0
 """States in a second of stamps; 0 for one with every sample."""
+
+ORDINARY = (int(TemperatureStatus.OK), True)
+"""Status of a sample of which nothing is to be said, and that it lies in the calibrated range."""
 
 
 class StateRate:
@@ -27,6 +31,11 @@ class StateRate:
         """Choose the next sample, whatever it is: another calibration is in use, or another time begins."""
         self._chosen: int | None = None
         self._before: tuple[int, bool] | None = None
+
+    def rests(self, stamp: int) -> bool:
+        """Return whether ``wants`` would not choose a sample at a stamp (ns) inside the range with the status OK."""
+        chosen = self._chosen
+        return chosen is not None and self._before == ORDINARY and abs(stamp - chosen) < self._period
 
     def wants(self, stamp: int, status: int, inside: bool) -> bool:
         """Take a sample (stamp in ns, TemperatureStatus, inside the calibrated range) and return if it is chosen.

@@ -63,6 +63,11 @@ class TimeLines:
         updates = self._of(need).updates(need)
         return updates.last is not None and stamp <= updates.last and updates.step_back(stamp) is StepBack.CORRECTED
 
+    @property
+    def single(self) -> bool:
+        """Whether no slow input is on a later time line than the accelerometer."""
+        return not self._following
+
     def is_ahead(self, need: Need | None) -> bool:
         """Return whether an input is on a later time line than the accelerometer."""
         return self._ahead.get(need, 0) > 0
