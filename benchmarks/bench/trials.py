@@ -24,6 +24,8 @@ SILENCE = 0.5
 
 WARM_UP, WARM_UP_RATE = 1.5, 200.0
 THERMISTOR_RATE = 10.0
+PAST = 70.0
+"""s of the thermistor's past: more than the delay of its product."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,11 @@ class Trial:
 
 
 def warm_up(peer: Peer, process: Popen[bytes]) -> None:
-    """Wait until a process answers, and send for a while; raises RuntimeError where it does not."""
+    """Wait until a process answers, tell it of the time before, and send for a while.
+
+    With the thermistor's past a node is in the state in which it is nearly always: its features have settled. Raises
+    RuntimeError where the process does not answer.
+    """
     end = time.monotonic() + TIMEOUT
     heard: list[bytes] = []
     stream = ImuStream(WARM_UP_RATE, time.time_ns())
@@ -69,7 +75,14 @@ def warm_up(peer: Peer, process: Popen[bytes]) -> None:
         if process.poll() is not None or time.monotonic() > end:
             raise RuntimeError(f"process {process.args!r} does not answer (exit code {process.returncode})")
         stream = ImuStream(WARM_UP_RATE, time.time_ns())
-        send_evenly(WARM_UP_RATE, 0.2, send, lambda: peer.take(heard))
+        send_evenly(WARM_UP_RATE, 0.2, lambda number: peer.send(stream.message(number)), lambda: peer.take(heard))
+    first = time.time_ns() - round(PAST * 1e9)
+    send_evenly(
+        1000.0,
+        PAST * THERMISTOR_RATE / 1000.0,
+        lambda number: peer.send_temperature(first + round(number * 1e9 / THERMISTOR_RATE)),
+        lambda: peer.take(heard),
+    )
     stream = ImuStream(WARM_UP_RATE, time.time_ns())
     send_evenly(WARM_UP_RATE, WARM_UP, send, lambda: peer.take(heard))
     peer.forget()
