@@ -14,6 +14,7 @@ from benchmarks.bench.imu_stream import ImuStream
 from benchmarks.bench.pace import LATEST, send_evenly
 from benchmarks.bench.peer import Peer
 from benchmarks.soak.resident import processor_seconds
+from hgma_compensation.stamps import NANOSECONDS
 
 Array = NDArray[np.float64]
 TIMEOUT = 60.0
@@ -75,17 +76,29 @@ def warm_up(peer: Peer, process: Popen[bytes]) -> None:
         if process.poll() is not None or time.monotonic() > end:
             raise RuntimeError(f"process {process.args!r} does not answer (exit code {process.returncode})")
         stream = ImuStream(WARM_UP_RATE, time.time_ns())
-        send_evenly(WARM_UP_RATE, 0.2, lambda number: peer.send(stream.message(number)), lambda: peer.take(heard))
-    first = time.time_ns() - round(PAST * 1e9)
-    send_evenly(
-        1000.0,
-        PAST * THERMISTOR_RATE / 1000.0,
-        lambda number: peer.send_temperature(first + round(number * 1e9 / THERMISTOR_RATE)),
-        lambda: peer.take(heard),
-    )
+        _send_alone(peer, stream, heard)
+    tell_past(peer, time.time_ns())
+    peer.take(heard)
     stream = ImuStream(WARM_UP_RATE, time.time_ns())
     send_evenly(WARM_UP_RATE, WARM_UP, send, lambda: peer.take(heard))
     peer.forget()
+
+
+def _send_alone(peer: Peer, stream: ImuStream, heard: list[bytes]) -> None:
+    """Send accelerations for a moment, without a thermistor."""
+    send_evenly(WARM_UP_RATE, 0.2, lambda number: peer.send(stream.message(number)), lambda: peer.take(heard))
+
+
+def tell_past(peer: Peer, until: int) -> None:
+    """Send what the thermistor showed before a stamp, ns."""
+    step = round(NANOSECONDS / THERMISTOR_RATE)
+    first = until - round(PAST * NANOSECONDS)
+    send_evenly(
+        1000.0,
+        PAST * THERMISTOR_RATE / 1000.0,
+        lambda number: peer.send_temperature(first + number * step),
+        lambda: None,
+    )
 
 
 def stream_through(peer: Peer, process: Popen[bytes], rate: float, seconds: float) -> Trial:
