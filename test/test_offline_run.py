@@ -210,7 +210,7 @@ def test_rows_of_states_are_the_serialised_messages(channels, frame, seed):
     wide[1][0, 0], wide[2][1, 0] = np.nan, -0.0
     status, inside = random.integers(0, 6, count).astype(np.uint8), random.integers(0, 2, count).astype(bool)
     slow = SlowColumns(random.standard_normal((count, 3)), inside, status, wide[3])
-    result = Compensated(wide[0], wide[1], wide[2], wide[0], slow)
+    result = Compensated(wide[0], wide[0], slow, drift=wide[1], innovation=wide[2])
     heads = random.integers(0, 256, (2, 8)).astype(np.uint8)
     rows = StateRows(calibration, frame).rows(heads, result, np.array([1, 4]))
     store = types.typestore()

@@ -16,7 +16,7 @@ from hgma_msgs.msg import AccelBlock
 
 GROUP, RIVAL = "blocks", "plain relay"
 SECONDS, WARM_UP, SETTLING = 5.0, 1.0, 25.0
-"""s; the last one until the gain of a filter has settled, which takes many of its time constants of the sensor's time."""
+"""s; the last one until the gain of a filter has settled, many of its time constants in time of the sensor."""
 ASKED = 10e6
 """Samples of three axes a second."""
 

@@ -20,6 +20,11 @@ class Slow(Protocol):
         ...
 
     @property
+    def drift(self) -> Array:
+        """(n, c) of drift model and slow effects."""
+        ...
+
+    @property
     def features(self) -> Array:
         """(n, 3) before clamping."""
         ...
@@ -43,17 +48,31 @@ class Slow(Protocol):
 class Compensated:
     """Result for n samples and c channels, in the order of the calibration.
 
-    values: compensated, (n, c). drift: what was subtracted, (n, c). innovation: of the Kalman stage,
-    (n, c), 0 where it is off. unfiltered: raw less drift, (n, c).
+    values: compensated, (n, c). unfiltered: raw less drift, (n, c).
     """
 
     FIELDS = ("values", "drift", "innovation", "features", "inside_range", "status", "uncertainty")
     """All that splitting the samples over calls must not change."""
 
-    def __init__(self, values: Array, drift: Array, innovation: Array, unfiltered: Array, slow: Slow) -> None:
-        """Take arrays, and what the slow inputs say."""
-        self.values, self.drift, self.innovation, self.unfiltered = values, drift, innovation, unfiltered
-        self._slow = slow
+    def __init__(
+        self, values: Array, unfiltered: Array, slow: Slow, drift: Array | None = None, innovation: Array | None = None
+    ) -> None:
+        """Take arrays, and what the slow inputs say.
+
+        drift: None where it is that of the slow inputs. innovation: None where no channel has a Kalman stage.
+        """
+        self.values, self.unfiltered, self._slow = values, unfiltered, slow
+        self._drift, self._innovation = drift, innovation
+
+    @property
+    def drift(self) -> Array:
+        """What was subtracted, (n, c)."""
+        return self._slow.drift if self._drift is None else self._drift
+
+    @property
+    def innovation(self) -> Array:
+        """Innovation of the Kalman stage, (n, c), 0 where it is off."""
+        return np.zeros(self.values.shape) if self._innovation is None else self._innovation
 
     @property
     def ordinary(self) -> bool:
@@ -88,8 +107,10 @@ class Compensated:
 
     def take(self, rows: NDArray[np.int64]) -> "Compensated":
         """Return the results of some samples (k,)."""
-        slow = _Given(self.features[rows], self.inside_range[rows], self.status[rows], self.uncertainty[rows])
-        return Compensated(self.values[rows], self.drift[rows], self.innovation[rows], self.unfiltered[rows], slow)
+        slow = _Given(
+            self.drift[rows], self.features[rows], self.inside_range[rows], self.status[rows], self.uncertainty[rows]
+        )
+        return Compensated(self.values[rows], self.unfiltered[rows], slow, innovation=self.innovation[rows])
 
 
 class _Joined:
@@ -101,6 +122,10 @@ class _Joined:
 
     def _join(self, name: str) -> NDArray[Any]:
         return np.concatenate([getattr(part, name) for part in self._parts])
+
+    @cached_property
+    def drift(self) -> Array:
+        return self._join("drift")
 
     @cached_property
     def features(self) -> Array:
@@ -121,17 +146,17 @@ class _Joined:
 
 def joined(parts: Sequence[Compensated]) -> Compensated:
     """Return the results of consecutive samples as one."""
-    values, drift, innovation, unfiltered = (
-        np.concatenate([getattr(part, name) for part in parts])
-        for name in ("values", "drift", "innovation", "unfiltered")
+    values, unfiltered, innovation = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("values", "unfiltered", "innovation")
     )
-    return Compensated(values, drift, innovation, unfiltered, _Joined(parts))
+    return Compensated(values, unfiltered, _Joined(parts), innovation=innovation)
 
 
 @dataclass(frozen=True)
 class _Given:
     """What the slow inputs say, as arrays."""
 
+    drift: Array
     features: Array
     inside_range: NDArray[np.bool_]
     status: NDArray[np.uint8]
@@ -144,6 +169,6 @@ class _Given:
 
 def zeros(samples: int, channels: int) -> Compensated:
     """Return a result in which everything is 0, for no sample or as a form to be filled in."""
-    none = np.zeros((samples, channels))
-    slow = _Given(np.zeros((samples, 3)), np.zeros(samples, dtype=np.bool_), np.zeros(samples, dtype=np.uint8), none)
-    return Compensated(none, none, none, none, slow)
+    none, of_features = np.zeros((samples, channels)), np.zeros((samples, 3))
+    slow = _Given(none, of_features, np.zeros(samples, dtype=np.bool_), np.zeros(samples, dtype=np.uint8), none)
+    return Compensated(none, none, slow)

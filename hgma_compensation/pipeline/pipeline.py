@@ -18,7 +18,7 @@ from hgma_compensation.pipeline.inputs import ACCELERATION_LAG, Inputs
 from hgma_compensation.pipeline.ordinary_line import OrdinaryLine
 from hgma_compensation.pipeline.screening import increases
 from hgma_compensation.pipeline.slow_drift import SlowDrift
-from hgma_compensation.pipeline.slow_samples import FEW, SlowSamples
+from hgma_compensation.pipeline.slow_samples import SlowSamples
 from hgma_compensation.pipeline.stretches import Cut, Stretches
 from hgma_compensation.pipeline.time_lines import TimeLines
 from hgma_compensation.pipeline.uncertainty import DriftUncertainty
@@ -229,14 +229,13 @@ class Pipeline:
         cells, places = self._slow.at(self.inputs, stamps, ordered=ordered)
         calibration = self.calibration
         slow = SlowSamples(stamps, cells, places, calibration.features, calibration.calibrated_range, self._uncertainty)
-        drift = slow.drift if not self.stage.has_fast else self._with_fast_effects(stamps, values, imu, slow)
-        unfiltered = values - drift
+        drift = self._with_fast_effects(stamps, values, imu, slow) if self.stage.has_fast else None
+        unfiltered = slow.taken_from(values) if drift is None else values - drift
         if not self._filtered:
-            nothing = np.zeros(drift.shape) if len(stamps) <= FEW else np.broadcast_to(0.0, drift.shape)
-            return Compensated(unfiltered, drift, nothing, unfiltered, slow)
+            return Compensated(unfiltered, unfiltered, slow, drift)
         corrected, innovation = unfiltered.copy(order="K"), np.zeros_like(unfiltered)
         self._filter(stamps, corrected, innovation)
-        return Compensated(corrected, drift, innovation, unfiltered, slow)
+        return Compensated(corrected, unfiltered, slow, drift, innovation)
 
     def _with_fast_effects(
         self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None, slow: SlowSamples

@@ -93,6 +93,20 @@ class SlowSamples:
         """Drift (n, c) of drift model and slow effects."""
         return self.model if self._cells.drift is self._cells.model else self._along(self._cells.drift)
 
+    def taken_from(self, values: Array) -> Array:
+        """Return values (n, c) less the drift; for a block in one cell without an array of the drift itself."""
+        if self._places.index is not None or len(self) <= FEW:
+            return values - self.drift
+        line = self._cells.drift
+        left = np.empty((values.shape[1], len(self)))
+        for row, column, first, change in zip(
+            left, values.T, line.first[0].tolist(), line.change[0].tolist(), strict=True
+        ):
+            np.multiply(self._way, change, out=row)
+            row += first
+            np.subtract(column, row, out=row)
+        return left.T
+
     @cached_property
     def features(self) -> Array:
         """Features (n, 3) before clamping; the middle of the calibrated range where the temperature is missing."""
