@@ -33,7 +33,7 @@ LAG = 3600.0
 """s by which the stamps of the accelerometer may lag those of the slow inputs that were read before it."""
 
 PIECE = 480 << 10
-"""Bytes of blocks that are compensated at once, about: the pipeline takes 65 536 samples without having to join results."""
+"""Bytes of blocks that are compensated at once, about: few enough for the pipeline to have no results to join."""
 
 
 @dataclass(frozen=True)
