@@ -5,7 +5,6 @@ from typing import Any
 
 from rosbags.interfaces import Connection
 from rosbags.rosbag2.storage_mcap import McapReader
-from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from hgma_compensation.recording import decoder_limits
 from hgma_compensation.recording.batch import Batch, gathered
@@ -16,15 +15,6 @@ BATCH = 1 << 20
 
 MOST_MESSAGES = 1 << 14
 """Messages in a batch that is put together of single ones."""
-
-Row = tuple[int, int, bytes]
-"""Id of the connection in its file, log time in ns, and serialised message."""
-
-_SELECT = (
-    "SELECT topics.id,messages.timestamp,messages.data FROM messages JOIN topics ON messages.topic_id=topics.id "
-    "WHERE topics.id IN ({}) ORDER BY timestamp"
-)
-"""The library's own: another one could bring messages of the same time in another order."""
 
 
 def batches(storage: Any, connections: list[Connection], *, packed: bool) -> Iterator[Batch]:
@@ -39,12 +29,8 @@ def batches(storage: Any, connections: list[Connection], *, packed: bool) -> Ite
         if isinstance(part, McapReader) and is_plain(part) and not packed:
             yield from gathered(mcap_batches(part, topics), BATCH // 4)
         else:
-            rows = _rows(part, topics)
-            if packed:
-                rows = ((own, time, decoder_limits.unpack_message(raw)) for own, time, raw in rows)
-            for some in _row_lists(rows):
-                ids, times, raws = zip(*some, strict=True)
-                yield Batch.of_messages([topics[own] for own in ids], times, list(raws))
+            chosen = [connection for connection in part.connections if connection.id in topics]
+            yield from _of_single(part.messages(chosen), topics, packed=packed)
 
 
 def _topics(part: Any, connections: list[Connection]) -> dict[int, int]:
@@ -71,26 +57,21 @@ def _is_same(own: Connection, wanted: Connection) -> bool:
     )
 
 
-def _rows(part: Any, topics: dict[int, int]) -> Iterator[Row]:
-    """Return the messages of the connections whose ids are the keys of ``topics``."""
-    if isinstance(part, Sqlite3Reader):
-        assert part.dbconn
-        # As they come from the database: what the library makes of each costs as much as reading it.
-        rows: Iterator[Row] = part.dbconn.execute(_SELECT.format(",".join("?" * len(topics))), tuple(topics))
-        return rows
-    chosen = [connection for connection in part.connections if connection.id in topics]
-    return ((connection.id, time, raw) for connection, time, raw in part.messages(chosen))
-
-
-def _row_lists(rows: Iterable[Row]) -> Iterator[list[Row]]:
-    """Yield rows many at a time."""
-    some: list[Row] = []
+def _of_single(
+    messages: Iterable[tuple[Connection, int, bytes]], topics: dict[int, int], *, packed: bool
+) -> Iterator[Batch]:
+    numbers: list[int] = []
+    times: list[int] = []
+    raws: list[bytes] = []
     size = 0
-    for row in rows:
-        some.append(row)
-        size += len(row[2])
-        if size >= BATCH or len(some) >= MOST_MESSAGES:
-            yield some
-            some, size = [], 0
-    if some:
-        yield some
+    for connection, time, raw in messages:
+        data = decoder_limits.unpack_message(raw) if packed else raw
+        numbers.append(topics[connection.id])
+        times.append(time)
+        raws.append(data)
+        size += len(data)
+        if size >= BATCH or len(raws) >= MOST_MESSAGES:
+            yield Batch.of_messages(numbers, times, raws)
+            numbers, times, raws, size = [], [], [], 0
+    if raws:
+        yield Batch.of_messages(numbers, times, raws)
