@@ -18,7 +18,7 @@ from hgma_compensation.recording import mcap_records, message_batches
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.bag_reader import open_bag, read_recording
 from hgma_compensation.recording.bag_writer import Storage, new_bag, write_recording
-from hgma_compensation.recording.batch import Batch
+from hgma_compensation.recording.batch import Batch, joined
 from hgma_compensation.recording.mcap_records import find_messages
 
 RECORDING = make_recording(duration_s=20.0, accel_rate=10.0, thermistor_rate=2.0, cycles=1.0, name="bag")
@@ -283,3 +283,20 @@ def test_a_recording_of_many_chunks_is_read_as_it_was_written(tmp_path, monkeypa
     assert read.stamps.tobytes() == RECORDING.stamps.tobytes()
     assert read.values.tobytes() == RECORDING.values.tobytes()
     assert read.temperature.values.tobytes() == RECORDING.temperature.values.tobytes()
+
+
+@given(st.lists(st.binary(min_size=1, max_size=9), min_size=1, max_size=20), st.data())
+def test_messages_that_lie_apart_are_those_that_lie_together(raws, data):
+    count = len(raws)
+    apart = Batch.of_messages(list(range(count)), list(range(count)), raws)
+    together = Batch(apart.topics, apart.times, apart.memory, apart.starts, apart.sizes)
+    rows = np.array(data.draw(st.lists(st.integers(0, count - 1), unique=True)), dtype=np.int64)
+    for batch in (apart, together, joined([apart, together]).select(slice(count, None))):
+        chosen = batch.select(rows)
+        assert chosen.raws() == [raws[row] for row in rows]
+        assert [bytes(chosen.raw(row)) for row in range(len(rows))] == chosen.raws()
+        assert chosen.compact().raws() == chosen.raws()
+        assert chosen.size == sum(map(len, chosen.raws()))
+        for same in chosen.same_sizes():
+            some = chosen.select(same)
+            assert [row.tobytes() for row in some.rows()] == some.raws()

@@ -73,6 +73,7 @@ def small_windows(monkeypatch):
     monkeypatch.setattr(message_batches, "BATCH", 4000)
     monkeypatch.setattr("hgma_compensation.recording.mcap_bulk_writer.CHUNK", 9000)
     monkeypatch.setattr(look_ahead, "LONGEST", 3 * NANOSECONDS)
+    monkeypatch.setattr(offline_run, "PIECE", 1000)
 
 
 @pytest.mark.parametrize("storage", list(Storage))
@@ -297,3 +298,16 @@ def test_outputs_that_the_bag_has_already_are_replaced(tmp_path):
     write_compensated(tmp_path / "first", second, tmp_path / "again", names=NAMES)
     write_compensated(tmp_path / "bag", second, tmp_path / "second", names=NAMES)
     assert outputs(tmp_path / "again") == outputs(tmp_path / "second")
+
+
+def test_pieces_of_blocks_are_the_batch_and_bounded(monkeypatch, tmp_path):
+    monkeypatch.setattr(offline_run, "PIECE", 1000)
+    write(tmp_path / "bag", RECORDING, block=30)
+    with open_bag(tmp_path / "bag") as bag:
+        found = BagTopics(bag, tmp_path / "bag", NAMES)
+        whole = [raw for batch in bag.batches(found.read) for raw in batch.raws()]
+        windows = OfflineRun(bag, tmp_path / "bag", found, make_calibration(), found.read).windows()
+        pieces = [batch.raws() for batch, _ in windows]
+    assert [raw for piece in pieces for raw in piece] == whole
+    assert len(pieces) > 10
+    assert max(sum(map(len, piece[1:])) for piece in pieces) < 1000

@@ -1,12 +1,11 @@
 """The life of the node's process: start, spin, end."""
 
-import ctypes
 import gc
 import sys
 import threading
 import traceback
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import rclpy
@@ -17,6 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.low_pass import LFILTER
+from hgma_compensation.kept_memory import keep_memory
 
 if TYPE_CHECKING:  # else imported while DDS looks for its peers
     from hgma_compensation.node.compensation_node import CompensationNode
@@ -26,12 +26,6 @@ STOP_LATENCY = 200_000_000
 """ns after which a signal is noticed at the latest."""
 
 FAILED = 1
-
-M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
-"""Numbers of glibc's malloc.h."""
-
-KEPT = 64 << 20
-"""Bytes of free memory that stay with the process: some blocks of a hundred thousand samples."""
 
 GIVE_WAY = 1e-4
 """s for which the thread that saves the memory may keep the interpreter from the one that compensates."""
@@ -128,14 +122,6 @@ def _spin(node: "CompensationNode", executor: "WaitingExecutor", stop: threading
         node.get_logger().fatal(f"internal error, the node ends: {described(error)}\n{traceback.format_exc()}")
         return FAILED
     return 0
-
-
-def keep_memory() -> None:
-    """Let the memory of a block serve the next one; glibc would give it back each time, and have it cleared anew."""
-    with suppress(OSError, AttributeError):  # another libc has no such settings
-        mallopt = ctypes.CDLL(None).mallopt
-        mallopt(M_TRIM_THRESHOLD, KEPT)
-        mallopt(M_MMAP_THRESHOLD, KEPT)
 
 
 def share_interpreter() -> None:

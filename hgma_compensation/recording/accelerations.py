@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -110,10 +111,11 @@ class BlockMessages:
             check_block(block, source)
         self.counts: Indices = np.array([len(block.x) for block in self._blocks], dtype=np.int64)
         self.stamps: Stamps = np.empty(int(self.counts.sum()), dtype=np.int64)
-        self.values: Array = np.zeros((len(self.stamps), len(CHANNELS)))
+        # Channel by channel, as the blocks hold them and the pipeline's drift comes.
+        self.values: Array = np.zeros((len(CHANNELS), len(self.stamps))).T
         for block, rows in zip(self._blocks, self.samples(), strict=True):
             if isinstance(block, BlockView):
-                self.stamps[rows] = block.stamp + block_offsets(len(block.x), block.sample_interval)
+                np.add(_offsets(len(block.x), block.sample_interval), block.stamp, out=self.stamps[rows])
                 for column, axis in enumerate(AXES):
                     self.values[rows, column] = getattr(block, axis)
             else:
@@ -145,6 +147,12 @@ class BlockMessages:
                 patch_block(block, channels, values)
                 raws.append(bytes(types.typestore().serialize_cdr(block, types.ACCEL_BLOCK)))
         return Batch.of_messages([0] * len(raws), self._batch.times[rows].tolist(), raws)
+
+
+@lru_cache(maxsize=4)
+def _offsets(count: int, interval: float) -> Stamps:
+    """Return what ``block_offsets`` does, which is the same for all blocks of a sensor; not to be written to."""
+    return block_offsets(count, interval)
 
 
 def _imu_pieces(batch: Batch, decode: Decode) -> Iterator[tuple[slice, ImuBatch | Any]]:
@@ -184,7 +192,8 @@ def _frames(pieces: Sequence[tuple[slice, Any]], rows: Indices) -> list[tuple[sl
 
 
 def _heads(batch: Batch, pieces: Sequence[tuple[slice, Any]], rows: Indices) -> NDArray[np.uint8]:
-    heads = windows(batch.memory, STAMP_SIZE)[batch.starts[rows] + STAMP_AT]
+    chosen = batch.select(rows)
+    heads = windows(chosen.memory, STAMP_SIZE)[chosen.starts + STAMP_AT]
     for span, piece in pieces:
         if not isinstance(piece, (ImuBatch, BlockView)):
             stamp = piece.header.stamp

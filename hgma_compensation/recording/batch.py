@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -15,46 +15,67 @@ from hgma_compensation.stamps import Stamps
 Indices = NDArray[np.int64]
 
 
-@dataclass(frozen=True)
 class Batch:
     """Messages in the order in which a bag hands them out.
 
-    topics: (n,) which of the connections asked for each is of. times: (n,) log times, ns. memory: (m,) the bytes that
-    they lie in. starts, sizes: (n,) place of each in the memory. apart: the same messages where they lay apart before.
+    topics: (n,) which of the connections asked for each is of. times: (n,) log times, ns. sizes: (n,) bytes of each.
+    apart: the messages where they lie apart; they are brought together when ``memory`` is asked for, which blocks of
+    samples are never.
     """
 
-    topics: Indices
-    times: Stamps
-    memory: NDArray[np.uint8]
-    starts: Indices
-    sizes: Indices
-    apart: list[bytes] | None = None
+    def __init__(
+        self, topics: Indices, times: Stamps, memory: NDArray[np.uint8], starts: Indices, sizes: Indices
+    ) -> None:
+        """Take messages that lie at starts (n,) in memory (m,)."""
+        self.topics, self.times, self.sizes = topics, times, sizes
+        self.apart: list[bytes] | None = None
+        self._memory, self._starts = memory, starts
 
     @classmethod
     def of_messages(cls, topics: Sequence[int], times: Sequence[int], raws: list[bytes]) -> Batch:
         """Return messages that lie apart as a batch."""
         sizes = np.fromiter(map(len, raws), dtype=np.int64, count=len(raws))
-        memory = np.frombuffer(b"".join(raws), dtype=np.uint8)
-        starts = np.cumsum(sizes) - sizes
-        return cls(np.array(topics, dtype=np.int64), np.array(times, dtype=np.int64), memory, starts, sizes, raws)
+        return cls._apart(np.array(topics, dtype=np.int64), np.array(times, dtype=np.int64), sizes, raws)
+
+    @classmethod
+    def _apart(cls, topics: Indices, times: Stamps, sizes: Indices, raws: list[bytes]) -> Batch:
+        batch = cls(topics, times, np.empty(0, dtype=np.uint8), np.cumsum(sizes) - sizes, sizes)
+        batch.apart = raws
+        return batch
+
+    @cached_property
+    def memory(self) -> NDArray[np.uint8]:
+        """Return the bytes (m,) that the messages lie in."""
+        return self._memory if self.apart is None else np.frombuffer(b"".join(self.apart), dtype=np.uint8)
+
+    @property
+    def starts(self) -> Indices:
+        """Return the place (n,) of each message in the memory."""
+        return self._starts
+
+    @cached_property
+    def size(self) -> int:
+        """Return the bytes of all messages."""
+        return int(self.sizes.sum())
 
     def __len__(self) -> int:
         """Return n."""
         return len(self.times)
 
     def select(self, rows: Indices | slice) -> Batch:
-        """Return some of the messages, on the same memory."""
-        apart = self.apart
-        if apart is not None:
-            apart = apart[rows] if isinstance(rows, slice) else [apart[row] for row in rows.tolist()]
-        return Batch(self.topics[rows], self.times[rows], self.memory, self.starts[rows], self.sizes[rows], apart)
+        """Return some of the messages, without a copy."""
+        topics, times, sizes = self.topics[rows], self.times[rows], self.sizes[rows]
+        if self.apart is None:
+            return Batch(topics, times, self.memory, self.starts[rows], sizes)
+        apart = self.apart[rows] if isinstance(rows, slice) else [self.apart[row] for row in rows.tolist()]
+        return self._apart(topics, times, sizes, apart)
 
     def compact(self) -> Batch:
         """Return the messages on memory that holds little else, so that what they were read from can go."""
         if not len(self):
             return Batch(self.topics, self.times, self.memory[:0], self.starts, self.sizes)
         first, last = int(self.starts.min()), int((self.starts + self.sizes).max())
-        if last - first <= 2 * int(self.sizes.sum()) + 4096:
+        if last - first <= 2 * self.size + 4096:
             return Batch(self.topics, self.times, self.memory[first:last].copy(), self.starts - first, self.sizes)
         return Batch.of_messages(self.topics.tolist(), self.times.tolist(), self.raws())
 
@@ -70,7 +91,9 @@ class Batch:
         return [bytes(memory[a : a + n]) for a, n in zip(self.starts.tolist(), self.sizes.tolist(), strict=True)]
 
     def raw(self, row: int) -> memoryview:
-        """Return one message, on the memory of all."""
+        """Return one message, without a copy."""
+        if self.apart is not None:
+            return memoryview(self.apart[row])
         start = int(self.starts[row])
         return self.memory[start : start + int(self.sizes[row])].data
 

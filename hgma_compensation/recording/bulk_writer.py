@@ -80,8 +80,8 @@ class BulkWriter(Writer):
             self._put(connections, batch)
 
     def _put(self, connections: Sequence[Connection], batch: Batch) -> None:
-        for number, count in zip(*np.unique(batch.topics, return_counts=True), strict=True):
-            self.counts[connections[number].id] += int(count)
+        for connection, count in zip(connections, np.bincount(batch.topics, minlength=len(connections)), strict=True):
+            self.counts[connection.id] += int(count)
         self.min_timestamp = min(int(batch.times.min()), self.min_timestamp)
         self.max_timestamp = max(int(batch.times.max()), self.max_timestamp)
         assert isinstance(self.storage, (BulkSqlite3Writer, BulkMcapWriter))

@@ -10,6 +10,7 @@ import numpy as np
 
 from hgma_compensation import topics
 from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.kept_memory import keep_memory
 from hgma_compensation.pipeline.state_rate import DEFAULT_RATE, StateRate
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.accelerations import of_rows
@@ -45,6 +46,7 @@ def write_compensated(
     progress: told how many messages were copied since it was told before, and how many there are. Raises RefusedError
     where the bag lacks what the calibration needs.
     """
+    keep_memory()
     outputs = {topics.in_bag(topic) for topic in topics.OUTPUTS}
     with open_bag(source) as reader:
         found = BagTopics(reader, Path(source), names)

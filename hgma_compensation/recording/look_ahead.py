@@ -112,6 +112,6 @@ def _enough(waiting: deque[Held], read: int) -> bool:
     """Return whether enough was read after the first part that waits; read: log time, ns."""
     return (
         int(waiting[0].batch.times[-1]) + LOOK_AHEAD < read
-        or sum(int(part.batch.sizes.sum()) for part in waiting) > MOST_HELD
+        or sum(part.batch.size for part in waiting) > MOST_HELD
         or sum(part.count for part in waiting) > MOST_SLOW
     )

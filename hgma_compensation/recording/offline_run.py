@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Connection
 
 from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.calibration.effect_encoding import LARGEST_ACCELERATION
 from hgma_compensation.channels import CHANNELS, columns_of, group_of
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.pipeline.compensated import Compensated
@@ -29,6 +31,9 @@ from hgma_compensation.stamps import Stamps
 
 LAG = 3600.0
 """s by which the stamps of the accelerometer may lag those of the slow inputs that were read before it."""
+
+PIECE = 480 << 10
+"""Bytes of blocks that are compensated at once, about: few enough for the pipeline to have no results to join."""
 
 
 @dataclass(frozen=True)
@@ -84,8 +89,9 @@ class OfflineRun:
         """
         if not any(slow.need is None for slow, _ in self._slow):
             raise no_thermistor(self.name)
-        for batch in behind(self._parts(), self):
-            yield batch, self._compensated(batch)
+        for held in behind(self._parts(), self):
+            for batch in self._pieces(held):
+                yield batch, self._compensated(batch)
 
     def check(self) -> None:
         """Raise RefusedError where the bag, read to its end, lacks what the calibration needs."""
@@ -121,6 +127,15 @@ class OfflineRun:
                     slow.append(Slow(one.need, series, rows))
             yield from parts(batch, slow, last)
 
+    def _pieces(self, batch: Batch) -> Iterator[Batch]:
+        """Yield a batch, of blocks in pieces of a bounded size."""
+        edges = [0, len(batch)]
+        if self._found.blocks and batch.size > PIECE:
+            ends = np.cumsum(batch.sizes)
+            edges[1:1] = (np.flatnonzero(np.diff(ends // PIECE)) + 1).tolist()
+        for start, stop in pairwise(edges):
+            yield batch.select(slice(start, stop)) if len(edges) > 2 else batch
+
     def _inside(self, stamps: Stamps) -> NDArray[np.bool_]:
         """Return which samples (n,) count."""
         if self._span is None:
@@ -152,11 +167,25 @@ class OfflineRun:
         self._carried |= messages.carried
         for column in np.flatnonzero(~self._not_zero).tolist():
             self._not_zero[column] = bool(values[:, column].any())
-        usable, samples = _usable(messages, inside, usable_samples(messages.stamps, values[:, self._columns_read]))
+        usable, samples = _usable(messages, inside, _screened(messages.stamps, values[:, self._columns_read]))
+        stamps = messages.stamps
         if len(samples) < len(values):
-            values = values[samples]
-        result = self._pipeline.compensate(messages.stamps[samples], values[:, self._columns], values)
+            stamps, values = stamps[samples], values[samples]
+        result = self._pipeline.compensate(stamps, values[:, self._columns], values)
         return Compensation(messages, own.times, usable, samples, result)
+
+
+def _screened(stamps: Stamps, values: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return (n,) whether samples are usable, which mostly all are: the extremes are found without another array."""
+    # Comparisons are false for NaN, which is the extreme of whatever it is among.
+    if (
+        len(stamps)
+        and stamps.min() > 0
+        and values.min() >= -LARGEST_ACCELERATION
+        and values.max() <= LARGEST_ACCELERATION
+    ):
+        return np.ones(len(stamps), dtype=np.bool_)
+    return usable_samples(stamps, values)
 
 
 def _usable(
