@@ -11,7 +11,10 @@ from hypothesis import strategies as st
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.pipeline import Pipeline
+from hgma_compensation.pipeline.screening import usable_samples
 from hgma_compensation.pipeline.status import UNUSABLE
+from hgma_compensation.recording.compensated_bag import feed
 from hgma_compensation.stamps import NANOSECONDS
 
 RECORDING = with_all_inputs()
@@ -140,3 +143,17 @@ def test_a_batch_of_which_nothing_is_usable_gives_nothing():
     live.install(make_calibration(channels=LINEAR, mode=FilterMode.SMOOTH))
     assert live.compensate_each(RECORDING.stamps[:3], np.full((3, 6), np.nan)) is None
     assert live.counts == {"acceleration_not_finite": 3}
+
+
+@settings(max_examples=30, deadline=None)
+@given(streams(), calibrations(), st.lists(st.integers(0, COUNT - 1), max_size=5))
+def test_what_is_said_of_some_samples_is_what_is_said_of_all(stream, calibration, rows):
+    stamps, values, _ = stream
+    pipeline = Pipeline(calibration)
+    feed(pipeline, RECORDING)
+    good = usable_samples(stamps, values)
+    whole = pipeline.compensate(stamps[good], pipeline.columns_of(values[good]), values[good])
+    chosen = np.array(rows, dtype=np.int64) % good.sum()
+    some = whole.take(chosen)
+    for name in Compensated.FIELDS:
+        assert getattr(some, name).tobytes() == getattr(whole, name)[chosen].tobytes(), name

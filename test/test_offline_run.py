@@ -51,7 +51,10 @@ class SlowColumns:
     inside_range: np.ndarray
     status: np.ndarray
     uncertainty: np.ndarray
-    ordinary: bool = False
+    ordinary = False
+
+    def take(self, rows):
+        return SlowColumns(*(column[rows] for column in vars(self).values()))
 
 
 def run(path, calibration):

@@ -28,13 +28,17 @@ class Cells:
 
 @dataclass(frozen=True)
 class Places:
-    """In which of m cells each of n samples lies: index (n,), or None where all lie in the only one.
+    """In which of m cells each of n samples lies: index (n,) of cells, or None where all lie in the only one.
 
     counts: (m,) samples of each cell where they come in the order of the cells, None where they do not.
     """
 
     index: NDArray[np.int64] | None
     counts: NDArray[np.int64] | None
+
+    def take(self, rows: NDArray[np.int64]) -> "Places":
+        """Return the places of some of the samples (k,)."""
+        return Places(None if self.index is None else self.index[rows], None)
 
 
 def cells_of(inputs: Inputs, stamps: Stamps) -> tuple[Cells, Places]:
@@ -49,12 +53,10 @@ def cells_of(inputs: Inputs, stamps: Stamps) -> tuple[Cells, Places]:
         return _cells(begin, grid, at), Places(None, None)
     counts = np.bincount(index, minlength=index_high + 1)
     held = np.flatnonzero(counts)
-    in_order = bool((index[1:] >= index[:-1]).all())
-    if in_order:
-        return _cells(begin, grid, held), Places(index, counts[held])
     new = np.zeros(len(counts), dtype=np.int64)
     new[held] = np.arange(len(held))
-    return _cells(begin, grid, held), Places(new[index], None)
+    in_order = bool((index[1:] >= index[:-1]).all())
+    return _cells(begin, grid, held), Places(new[index], counts[held] if in_order else None)
 
 
 def _cells(begin: Stamps, grid: Stamps, held: NDArray[np.int64] | slice) -> Cells:

@@ -24,6 +24,10 @@ class Slow(Protocol):
         """(n, c) of drift model and slow effects."""
         ...
 
+    def take(self, rows: NDArray[np.int64]) -> "Slow":
+        """Return the same of some samples (k,)."""
+        ...
+
     @property
     def features(self) -> Array:
         """(n, 3) before clamping."""
@@ -107,10 +111,8 @@ class Compensated:
 
     def take(self, rows: NDArray[np.int64]) -> "Compensated":
         """Return the results of some samples (k,)."""
-        slow = _Given(
-            self.drift[rows], self.features[rows], self.inside_range[rows], self.status[rows], self.uncertainty[rows]
-        )
-        return Compensated(self.values[rows], self.unfiltered[rows], slow, innovation=self.innovation[rows])
+        drift, innovation = (None if array is None else array[rows] for array in (self._drift, self._innovation))
+        return Compensated(self.values[rows], self.unfiltered[rows], self._slow.take(rows), drift, innovation)
 
 
 class _Joined:
@@ -119,6 +121,9 @@ class _Joined:
     def __init__(self, parts: Sequence[Compensated]) -> None:
         self._parts = parts
         self.ordinary = all(part.ordinary for part in parts)
+
+    def take(self, rows: NDArray[np.int64]) -> Slow:
+        return _Given(*(self._join(name)[rows] for name in _Given.__dataclass_fields__))
 
     def _join(self, name: str) -> NDArray[Any]:
         return np.concatenate([getattr(part, name) for part in self._parts])
@@ -165,6 +170,9 @@ class _Given:
     @property
     def ordinary(self) -> bool:
         return not self.status.any()
+
+    def take(self, rows: NDArray[np.int64]) -> Slow:
+        return _Given(*(getattr(self, name)[rows] for name in _Given.__dataclass_fields__))
 
 
 def zeros(samples: int, channels: int) -> Compensated:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration
 from hgma_compensation.channels import GROUPS, group_of
+from hgma_compensation.pipeline.screening import sum_of_squares
 from hgma_compensation.stamps import Stamps, to_nanoseconds
 
 Array = NDArray[np.float64]
@@ -112,7 +113,7 @@ class RestMonitor:
         self._count += count
         for number, reference in enumerate(self._references):
             column = corrected[:, number]
-            total, squares = float(column.sum()), float(column.dot(column))
+            total, squares = float(column.sum()), sum_of_squares(column)
             self._sum[number] += total - count * reference
             self._squares[number] += squares - reference * (2.0 * total - count * reference)
 

@@ -37,6 +37,11 @@ class SlowSamples:
         self._settings, self._box, self._uncertainty = settings, box, uncertainty
         self.ordinary = cells.ordinary
 
+    def take(self, rows: NDArray[np.int64]) -> "SlowSamples":
+        """Return what is said of some of the samples (k,), the same bits, for the price of these."""
+        stamps, places = self._stamps[rows], self._places.take(rows)
+        return SlowSamples(stamps, self._cells, places, self._settings, self._box, self._uncertainty)
+
     def __len__(self) -> int:
         """Return n."""
         return len(self._stamps)

@@ -37,16 +37,14 @@ class StateRows:
             self._arrays.append(slice(place, place + count * FLOAT64.itemsize))
             place = self._arrays[-1].stop
         self._inside = place
-        self._error = np.array([channel.error.unseen for channel in calibration.channels])
 
     def rows(self, heads: NDArray[np.uint8], result: Compensated, chosen: Indices) -> NDArray[np.uint8]:
         """Return the states (m, size) of the samples ``chosen`` (m,); heads: (m, 8), their stamps as serialised."""
         made = np.tile(self._template, (len(chosen), 1))
         made[:, STAMP_AT:_FRAME] = heads
-        # An ordinary one is the same for all samples, and known without what the pipeline would compute of each.
-        uncertainty = self._error if result.ordinary else result.uncertainty[chosen]
-        columns = (result.features[chosen], result.drift[chosen], uncertainty, result.innovation[chosen])
+        result = result.take(chosen)
+        columns = (result.features, result.drift, result.uncertainty, result.innovation)
         for place, values in zip((self._features, *self._arrays), columns, strict=True):
             fields(made, place.start, place.stop, FLOAT64)[:] = values
-        made[:, self._inside], made[:, self._inside + 1] = result.inside_range[chosen], result.status[chosen]
+        made[:, self._inside], made[:, self._inside + 1] = result.inside_range, result.status
         return made
