@@ -2,7 +2,7 @@
 
 from effect_calibrations import with_all_inputs
 
-from hgma_compensation.pipeline.live import single_sample
+from hgma_compensation.pipeline.live_samples import single_sample
 
 RECORDING = with_all_inputs()
 

@@ -7,8 +7,9 @@ from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.effects.registry import make
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.pipeline.live import LiveCompensation, single_sample
+from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_compensation.pipeline.live_memory import SLOW_INPUTS
+from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.pipeline.reasons import REMEDIES, Note, Skip, sample_name, status_name
 from hgma_compensation.pipeline.remembered import REMEMBERED, Remembered
 from hgma_compensation.pipeline.status import TemperatureStatus

@@ -12,7 +12,8 @@ from hgma_compensation.calibration.document import with_id
 from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.effects.registry import make
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.pipeline.live import LiveCompensation, single_sample
+from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.pipeline.prepared import prepare
 from hgma_compensation.pipeline.remembered import REMEMBERED
 from hgma_compensation.stamps import NANOSECONDS

@@ -7,7 +7,8 @@ import pytest
 from builders import EPOCH, LINEAR, make_calibration, make_recording
 
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.pipeline.live import LiveCompensation, single_sample
+from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.pipeline.rest_monitor import LEAST_BLOCKS, RestMonitor
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.training.methods import Method

@@ -11,7 +11,8 @@ from restarts import Stream, file_of, started
 from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.effects.registry import make
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.pipeline.live import LiveCompensation, single_sample
+from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.pipeline.reasons import REMEDIES
 from hgma_compensation.pipeline.remembered import REMEMBERED
 from hgma_compensation.pipeline.taking_up import Past

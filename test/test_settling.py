@@ -6,7 +6,7 @@ from restarts import file_of, started
 
 from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.effects.registry import make
-from hgma_compensation.pipeline.live import single_sample
+from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.pipeline.settling import MemorySpan, unsettled
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.temperature.track import Sample

@@ -7,7 +7,8 @@ from effect_calibrations import OFFERED
 
 from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.node.diagnostics import DiagnosticReport
-from hgma_compensation.pipeline.live import LiveCompensation, single_sample
+from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.stamps import NANOSECONDS
 

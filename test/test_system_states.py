@@ -10,7 +10,8 @@ from robot import imu, stamped, thermistor
 from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.demo.processes import running
 from hgma_compensation.messages import stamp_of
-from hgma_compensation.pipeline.live import LiveCompensation, single_sample
+from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.pipeline.state_rate import StateRate
 from hgma_msgs.msg import AccelBlock
 

@@ -15,7 +15,8 @@ from hgma_compensation.drift.polynomial import PolynomialDrift
 from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.effects.registry import make
 from hgma_compensation.kalman.settings import FilterSettings
-from hgma_compensation.pipeline.live import LiveCompensation, single_sample
+from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.temperature.features import FeatureSettings
 from hgma_compensation.temperature.trend_filter import TrendNoise

@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.soak.remembering import remembering_calibration, temperature
-from hgma_compensation.pipeline.live import LiveCompensation, single_sample
+from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.pipeline.state_saver import StateSaver
 from hgma_compensation.stamps import NANOSECONDS
 

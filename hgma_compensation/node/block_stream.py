@@ -16,7 +16,8 @@ from hgma_compensation.messages import block_offsets, block_samples, check_block
 from hgma_compensation.node.admission import Admission
 from hgma_compensation.node.outputs import States, header_of, publish_all
 from hgma_compensation.node.unreadable import read
-from hgma_compensation.pipeline.live import LiveCompensation, LiveResult
+from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.live_samples import LiveResult
 from hgma_compensation.pipeline.reasons import Skip
 from hgma_msgs.msg import AccelBlock
 

@@ -18,7 +18,8 @@ from hgma_compensation.node.admission import Admission
 from hgma_compensation.node.outputs import States, header_of, publish_all
 from hgma_compensation.node.unreadable import read
 from hgma_compensation.pipeline.compensated import Compensated
-from hgma_compensation.pipeline.live import LiveCompensation, single_sample
+from hgma_compensation.pipeline.live import LiveCompensation
+from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.pipeline.reasons import Note, Skip
 
 
