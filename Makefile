@@ -16,13 +16,17 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_PREFER_BINARY := 1
 
-.PHONY: setup demo test lint types chamber-table chamber-sensitivity chamber-diagnosis loop-benchmark paper-table soak bench pictures clean FORCE
+.PHONY: setup demo live test lint types chamber-table chamber-sensitivity chamber-diagnosis loop-benchmark paper-table soak bench pictures clean FORCE
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.messages
 
 demo: setup
 	$(RUN) -m hgma_compensation.demo
+
+# A live stream: node and player as processes, what they do in the terminal until Ctrl-C. LIVE_ARGUMENTS="--seconds 10"
+live: setup
+	$(RUN) -m hgma_compensation.demo.stream $(LIVE_ARGUMENTS)
 
 test: lint types
 	$(RUN) -m pytest

@@ -1,0 +1,97 @@
+"""``hgma watch``."""
+
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.live import Live
+
+from hgma_compensation.cli import options
+from hgma_compensation.cli.terminal import console, write_json
+from hgma_compensation.errors import RefusedError
+from hgma_compensation.topics import TopicNames
+from hgma_compensation.watching import view
+from hgma_compensation.watching.window import Window
+
+PERIOD = 1.0
+"""s between two looks."""
+
+
+@click.command("watch")
+@click.option(
+    "--seconds",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="S",
+    help="Watch for S seconds; else until interrupted.",
+)
+@click.option("--namespace", default="", metavar="NS", help="Namespace that the node runs in.")
+@options.remap
+@options.json_file
+def command(seconds: float | None, namespace: str, names: TopicNames, json_path: Path | None) -> None:
+    """Show what a running node receives and publishes: raw and compensated acceleration, temperature, status.
+
+    A table that is drawn anew on a terminal, a line each second elsewhere. For a robot without a screen of its own;
+    with one, rqt_plot and Foxglove show the same topics.
+
+    Example: hgma watch --remap /accel/raw:=/imu/data_raw --remap /accel/compensated:=/imu/data
+    """
+    try:
+        import rclpy  # only the commands that talk to ROS need it
+        from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+        from rclpy.signals import SignalHandlerOptions
+
+        from hgma_compensation.node.watcher import Watcher
+    except ImportError as error:
+        raise RefusedError(f"rclpy is not installed ({error}): run make, or source your ROS 2 workspace") from error
+    prefix = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # Python's handlers interrupt the waiting; rclpy's race with its own shutdown.
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node("hgma_watch")
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    watcher, shown = Watcher(node, lambda topic: prefix + names[topic]), _Screen()
+    begin = time.monotonic()
+    try:
+        with shown:
+            while seconds is None or time.monotonic() - begin < seconds:
+                until = time.monotonic() + PERIOD
+                start = time.monotonic()
+                while (left := until - time.monotonic()) > 0.0:
+                    executor.spin_once(timeout_sec=left)
+                window = watcher.take()
+                shown.show(window, time.monotonic() - start, watcher.advice(window))
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        rclpy.try_shutdown()
+    write_json(json_path, shown.last)
+
+
+class _Screen:
+    """A table that is drawn anew on a terminal, lines where output goes to a file."""
+
+    def __init__(self) -> None:
+        self.last: dict[str, Any] = view.figures(Window(), PERIOD)
+        self._live = Live(console=console, auto_refresh=False) if console.is_terminal else None
+
+    def __enter__(self) -> "_Screen":
+        if self._live is not None:
+            self._live.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._live is not None:
+            self._live.stop()
+
+    def show(self, window: Window, seconds: float, advice: str) -> None:
+        """Show a window of some seconds."""
+        self.last = view.figures(window, seconds)
+        if self._live is not None:
+            self._live.update(view.lines(self.last, advice), refresh=True)
+        else:
+            click.echo(view.line(self.last) + (f" | {advice}" if advice else ""))

@@ -1,0 +1,1 @@
+"""What ``hgma watch`` shows of a running node."""

@@ -1,0 +1,94 @@
+"""``hgma watch``: the sums, what is shown, and the command beside the real node."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from builders import make_calibration, make_recording
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from robot import imu, thermistor
+
+from hgma_compensation.calibration.document import write_calibration
+from hgma_compensation.cli.main import main
+from hgma_compensation.demo.processes import HGMA, running
+from hgma_compensation.watching import view
+from hgma_compensation.watching.window import Samples, Window
+
+NODE = [sys.executable, "-m", "hgma_compensation.node.main"]
+SMALL = st.floats(-1e5, 1e5)
+
+
+@given(values=arrays(float, st.tuples(st.integers(2, 30), st.just(6)), elements=SMALL), cut=st.integers(0, 30))
+def test_sums_are_mean_and_deviation_however_samples_come(values, cut):
+    samples = Samples()
+    samples.add(values[:cut])
+    samples.add(values[cut:])
+    np.testing.assert_allclose(samples.mean, values.mean(axis=0), atol=1e-9)
+    np.testing.assert_allclose(samples.deviation, values.std(axis=0, ddof=1), rtol=1e-6, atol=1e-2)
+
+
+def test_a_small_deviation_on_a_large_drift_keeps_its_digits():
+    samples, random = Samples(), np.random.default_rng(5)
+    values = -52_000.0 + 1e-3 * random.normal(size=(1000, 6))
+    samples.add(values)
+    np.testing.assert_allclose(samples.deviation, values.std(axis=0, ddof=1), rtol=1e-6)
+
+
+def test_what_is_not_finite_is_left_out():
+    samples = Samples()
+    samples.add(np.array([[1.0] * 6, [np.nan, *[1.0] * 5], [3.0] * 6]))
+    assert samples.count == 2
+    assert samples.mean.tolist() == [2.0] * 6
+
+
+def test_nothing_is_shown_as_nothing():
+    seen = view.figures(Window(), 1.0)
+    assert seen["channels"]["linear_acceleration.z"]["raw"] is None
+    assert "-> -" in view.line(seen)
+    json.dumps(seen, allow_nan=False)
+
+
+@pytest.mark.ros
+def test_watching_the_real_node(environment, robot, tmp_path):
+    calibration = make_calibration(channels=("linear_acceleration.z",))
+    write_calibration(calibration, tmp_path / "cal.json")
+    recording = make_recording(duration_s=60.0, accel_rate=10.0, thermistor_rate=2.0, cycles=1.0)
+    watch = [*HGMA, "watch", "--seconds", "3", "--json", str(tmp_path / "seen.json")]
+    with running([*NODE, "--ros-args", "-p", f"calibration_file:={tmp_path / 'cal.json'}"], environment, "using"):
+        robot.connect()
+        process = subprocess.Popen(watch, env=environment, stdout=subprocess.PIPE, text=True)
+        for stamp, celsius in zip(recording.temperature.stamps, recording.temperature.values, strict=True):
+            robot.temperature.publish(thermistor(stamp, celsius))
+        robot.wait(lambda: robot.node.count_subscribers("/accel/compensated") >= 2, "the watcher")
+        messages = list(map(imu, recording.stamps, recording.values))
+        while process.poll() is None:
+            robot.raw.publish(messages[min(len(robot.compensated), len(messages) - 1)])
+            robot.spin(0.02)
+        text = process.stdout.read()
+    seen = json.loads((tmp_path / "seen.json").read_text())
+    assert process.returncode == 0
+    assert seen["calibration_id"] == calibration.calibration_id
+    assert list(seen["channels"]) == ["linear_acceleration.z"]
+    assert seen["raw_rate"] > 1.0
+    channel = seen["channels"]["linear_acceleration.z"]
+    assert channel["raw"] - channel["compensated"] == pytest.approx(channel["drift"], abs=0.2 * abs(channel["drift"]))
+    assert len(text.splitlines()) == 3
+
+
+@pytest.mark.ros
+def test_silence_names_the_topic_that_speaks(environment, robot):
+    # The robot publishes on /accel/raw, which this remapping does not listen to.
+    command = [*HGMA, "watch", "--remap", "/accel/raw:=/imu/raw_data"]
+    wanted = "nothing comes on /imu/raw_data: start the driver or hgma play; "
+    wanted += "sensor_msgs/Imu is on /accel/raw: --remap /accel/raw:=/accel/raw"
+    with running(command, {**environment, "PYTHONUNBUFFERED": "1"}, wanted):  # raises where it never says so
+        pass
+
+
+def test_a_wrong_remap_is_refused(capsys):
+    assert main(["watch", "--seconds", "1", "--remap", "nonsense"]) == 2
+    assert "error: --remap nonsense" in capsys.readouterr().err
