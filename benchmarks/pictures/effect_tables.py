@@ -1,12 +1,6 @@
 """The part of an effect's page that is written from its class."""
 
-import re
-from pathlib import Path
-
 from hgma_compensation.effects.effect import Effect, Need, Span
-from hgma_compensation.errors import RefusedError
-
-BEGIN, END = "<!-- begin: written by make pictures -->", "<!-- end: written by make pictures -->"
 
 NEEDS = {
     Need.TEMPERATURE_2: "a second thermometer, `/accel/temperature_2`",
@@ -33,16 +27,6 @@ def table(kind: type[Effect]) -> str:
         head = ["| parameter | unit | from | to | |", "| --- | --- | --- | --- | --- |"]
         text += "\n\n" + "\n".join([*head, *parameters])
     return text
-
-
-def write_into(page: Path, kind: type[Effect]) -> None:
-    """Put the tables between the marks of a page; raises RefusedError where these are missing."""
-    text = page.read_text(encoding="utf-8")
-    pattern = f"{re.escape(BEGIN)}.*?{re.escape(END)}"
-    if not re.search(pattern, text, re.DOTALL):
-        raise RefusedError(f"{page}: lacks the marks {BEGIN} and {END}: add them where the tables belong")
-    content = f"{BEGIN}\n\n{table(kind)}\n\n{END}"
-    page.write_text(re.sub(pattern, lambda _: content, text, flags=re.DOTALL), encoding="utf-8")
 
 
 def _row(name: str, span: Span) -> str:

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.pictures import effect_picture, effect_tables
+from benchmarks.pictures import effect_picture, effect_tables, packages
+from benchmarks.pictures.marks import write_between_marks
 from benchmarks.pictures.scenarios import SCENARIOS, show
 from hgma_compensation.effects.registry import kinds
 from hgma_compensation.errors import RefusedError
@@ -46,7 +47,7 @@ def test_pages_without_marks_are_refused(tmp_path):
     page = tmp_path / "aging.md"
     page.write_text("# Aging\n", encoding="utf-8")
     with pytest.raises(RefusedError, match="lacks the marks"):
-        effect_tables.write_into(page, kinds()["aging"])
+        write_between_marks(page, "new")
     assert page.read_text(encoding="utf-8") == "# Aging\n"
 
 
@@ -60,3 +61,25 @@ def test_every_picture_is_made_by_a_command_and_shown():
     texts = [path.read_text(encoding="utf-8") for path in (ROOT / "README.md", *DOCUMENTS.rglob("*.md"))]
     for picture in there:
         assert any(picture.removeprefix("docs/") in text for text in texts), picture
+
+
+def test_the_table_of_packages_is_that_of_the_sources():
+    text = (DOCUMENTS / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    assert packages.table() in text, "make pictures writes it anew"
+
+
+LAYERS = (
+    {"drift", "effects", "kalman", "temperature", "cdr"},
+    {"calibration"},
+    {"pipeline"},
+    {"recording", "loading"},
+)
+"""What the node runs on, bottom first: a layer imports its own and those below, never the tools above."""
+
+
+def test_layers_import_downwards_only():
+    below = set()
+    for layer in LAYERS:
+        below |= layer
+        for package in layer:
+            assert packages.imported(package) <= below, package
