@@ -46,9 +46,9 @@ chamber-table: setup
 chamber-sensitivity: setup
 	$(RUN) -m benchmarks.chamber_table --sensitivity
 
-# The chamber's memories: found in the first cooling and the heating, judged on the last cooling; the README's picture.
+# The chamber's memories: found in the first cooling and the heating, judged on the last cooling; the README's picture too.
 chamber-diagnosis: setup
-	$(RUN) -m benchmarks.chamber_diagnosis --picture docs/images/chamber.png
+	$(RUN) -m benchmarks.chamber_diagnosis --picture docs/images/chamber.png --raw-picture docs/images/before_after.png
 
 # Recordings whose effect nobody is told, diagnosed: docs/LOOP.md. Takes hours; LOOP_ARGUMENTS="--count 1" less.
 loop-benchmark: setup

@@ -16,15 +16,17 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.chamber_picture import draw
+from benchmarks.chamber_picture import Raw, draw, draw_before_after
 from benchmarks.chamber_table import CHANNELS, ROWS, load, rms
 from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.channels import columns_of
 from hgma_compensation.diagnosis.augment import augmented
 from hgma_compensation.diagnosis.diagnose import diagnose
 from hgma_compensation.diagnosis.errors_held_out import HeldOutError, held_out_error
 from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis
 from hgma_compensation.diagnosis.spectra import Family, groups_of
 from hgma_compensation.measured_data import CHAMBER_SPLIT, VARIABLE, chamber_table
+from hgma_compensation.recording.recording import Recording
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.training.blocks import group_means, noise_of_means
 from hgma_compensation.training.train import TrainingOptions, train
@@ -38,10 +40,20 @@ ALIKE = 5.0
 
 @dataclass(frozen=True)
 class Result:
-    """The calibration before, and the diagnosis."""
+    """The calibration before, the diagnosis, and the recording that it was judged on."""
 
     calibration: Calibration
     diagnosis: Diagnosis
+    cooling: Recording
+
+    def raw(self) -> list[Raw]:
+        """Return the errors of the raw readings on the last cooling, means over ROWS rows, for each channel."""
+        temperature = np.interp(self.cooling.stamps, self.cooling.temperature.stamps, self.cooling.temperature.values)
+        means = group_means(np.arange(len(temperature)) // ROWS, np.column_stack([temperature, self.cooling.values]))
+        return [
+            Raw(means[:, 0], means[:, 1 + column] - channel.reference)
+            for column, channel in zip(columns_of(self.calibration.names), self.calibration.channels, strict=True)
+        ]
 
 
 def run(path: Path, seed: int) -> Result:
@@ -51,7 +63,7 @@ def run(path: Path, seed: int) -> Result:
     split = (CHAMBER_SPLIT * NANOSECONDS - whole.start) / NANOSECONDS
     cooling = replace(whole.cut(split, None), name="last cooling")
     calibration = train([training], TrainingOptions(seed=seed))
-    return Result(calibration, diagnose([training], calibration, cooling, seed=seed))
+    return Result(calibration, diagnose([training], calibration, cooling, seed=seed), cooling)
 
 
 def row_means(error: HeldOutError, reference: float) -> NDArray[np.float64]:
@@ -122,6 +134,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--picture", type=Path, help="PNG of the error before and after")
+    parser.add_argument("--raw-picture", type=Path, help="PNG of the same beside the error of the raw readings")
     chosen = parser.parse_args(arguments)
     path = chamber_table()
     if path is None:
@@ -133,6 +146,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     console.print(spread(result))
     if chosen.picture is not None:
         draw(result.diagnosis.channels, chosen.picture)
+    if chosen.raw_picture is not None:
+        draw_before_after(result.raw(), result.diagnosis.channels, chosen.raw_picture)
     return 0
 
 
