@@ -18,6 +18,7 @@ COMMANDS = {
     "compensate": "a recording with the compensated topics added",
     "play": "publish a recording to ROS",
     "inspect": "a calibration in words",
+    "export": "cubic coefficients for PX4 or ArduPilot",
     "node": "run the ROS 2 node",
 }
 """In the order of work; each in the module of its name, imported only when it is called."""

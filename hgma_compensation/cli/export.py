@@ -1,0 +1,163 @@
+"""``hgma export``."""
+
+from pathlib import Path
+
+import click
+from rich.table import Table
+from rich.text import Text
+
+from hgma_compensation.calibration.document import read_calibration
+from hgma_compensation.channels import unit_of
+from hgma_compensation.cli import options
+from hgma_compensation.cli.terminal import check_new, console, counting_bar, write_json
+from hgma_compensation.files import write_atomically
+from hgma_compensation.migration.export import Export, Format, Target, make_export
+from hgma_compensation.migration.parameters import AxisConvention
+from hgma_compensation.migration.px4 import RENEWED_AFTER
+from hgma_compensation.migration.recording_loss import RecordingLoss, loss_on
+from hgma_compensation.topics import TopicNames
+from hgma_compensation.training.reference import Reference
+
+
+@click.command("export")
+@click.argument("calibration", metavar="CAL", type=options.PathArgument())
+@click.option(
+    "--format",
+    "format_name",
+    required=True,
+    type=click.Choice([kind.value for kind in Format]),
+    help="px4: file for QGroundControl; px4-nsh: the same as commands; ardupilot: file for its ground stations.",
+)
+@options.output("FILE", "File of parameters to write.")
+@click.option(
+    "--instance",
+    type=int,
+    default=0,
+    show_default=True,
+    metavar="N",
+    help="Which of the autopilot's sensors, counted from 0: TC_A0, INS_TCAL1.",
+)
+@click.option("--device-id", type=int, metavar="ID", help="PX4: device_id of the accelerometer, for TC_A0_ID.")
+@click.option("--gyro-device-id", type=int, metavar="ID", help="PX4: device_id of the gyroscope, for TC_G0_ID.")
+@click.option(
+    "--axes",
+    type=click.Choice([kind.value for kind in AxisConvention]),
+    default=AxisConvention.SAME.value,
+    show_default=True,
+    help="Axes of the calibration: same as the autopilot's sensor topic, or flu (forward, left, up) of a ROS driver.",
+)
+@click.option(
+    "--range",
+    "span",
+    type=float,
+    nargs=2,
+    default=None,
+    metavar="FROM TO",
+    help="Only these temperatures, °C; all that are calibrated if not given.",
+)
+@click.option(
+    "--recording", "bag", type=options.PathArgument(), metavar="BAG", help="Also state the loss on a recording."
+)
+@options.reference
+@options.time_range
+@options.remap
+@options.json_file
+def command(
+    calibration: Path,
+    format_name: str,
+    output: Path,
+    instance: int,
+    device_id: int | None,
+    gyro_device_id: int | None,
+    axes: str,
+    span: tuple[float, float] | None,
+    bag: Path | None,
+    reference_text: str,
+    start: float | None,
+    end: float | None,
+    names: TopicNames,
+    json_path: Path | None,
+) -> None:
+    """Write the cubic that an autopilot takes, and say what it loses against the full model.
+
+    --reference, --from, --until and --remap are for --recording. Read docs/MIGRATION.md before flying with it.
+    """
+    check_new(output)
+    ids = {"linear_acceleration": device_id, "angular_velocity": gyro_device_id}
+    target = Target(
+        Format(format_name), instance, AxisConvention(axes), {g: n for g, n in ids.items() if n is not None}, span
+    )
+    reference = Reference.parse(reference_text)
+    export = make_export(read_calibration(calibration), target)
+    losses: tuple[RecordingLoss, ...] = ()
+    if bag is not None:
+        with counting_bar("compensating") as advance:
+            losses = loss_on(
+                bag,
+                export.calibration,
+                export.offsets(),
+                reference,
+                names=names,
+                span=(start, end),
+                progress=advance,
+            )
+    write_atomically(output, export.text().encode())
+    _show(export, output)
+    if bag is not None:
+        console.print(_recording_table(losses, f"RMS error on {bag.name}, means of 5 s, reference {reference}"))
+    write_json(json_path, export.as_json(losses))
+
+
+def _show(export: Export, output: Path) -> None:
+    span = export.span
+    click.echo(
+        f"{output}: {len(export.parameters)} parameters for {span.lowest:.4g} to {span.highest:.4g} °C "
+        f"about {span.reference:.4g} °C, of {export.calibration.calibration_id}"
+    )
+    console.print(_loss_table(export))
+    if not export.is_px4:
+        constants = ", ".join(
+            f"{f.cubic.channel} {f.cubic.coefficients[0]:.4g} {unit_of(f.cubic.channel)}" for f in export.cubics
+        )
+        click.echo(
+            f"left to the accelerometer's calibration on the vehicle, to be done once these are loaded: {constants}, "
+            "the constant terms"
+        )
+    for line in export.not_carried:
+        click.echo(f"not carried: {line}")
+    for line in export.warnings:
+        click.echo(f"warning: {line}", err=True)
+
+
+def _loss_table(export: Export) -> Table:
+    table = Table(title="Loss of the cubic against the full model")
+    for heading in ("channel", "unit", "", "RMS", "worst", "worst at"):
+        table.add_column(heading, justify="right" if heading in ("RMS", "worst") else "left", no_wrap=True)
+    for fitted, channel in zip(export.cubics, export.calibration.channels, strict=True):
+        rest, ramp = fitted.at_rest, fitted.over_rates
+        table.add_row(
+            channel.name,
+            unit_of(channel.name),
+            "at rest",
+            f"{rest.rms:.3g}",
+            f"{rest.worst:.3g}",
+            f"{rest.temperature:.3g} °C",
+        )
+        where = f"{ramp.temperature:.3g} °C, {ramp.rate:.2g} °C/s"
+        table.add_row("", "", "over calibrated rates", f"{ramp.rms:.3g}", f"{ramp.worst:.3g}", where)
+        if export.is_px4:
+            step = fitted.steepest * float(RENEWED_AFTER)
+            table.add_row("", "", "renewed after 1 °C", "", f"{step:.3g}", "")
+        table.add_row("", "", "single precision", "", f"{export.rounding[channel.name]:.1g}", "")
+        table.add_row("", "", "beside it: model's own error", f"{channel.error.unseen:.3g}", "", "", end_section=True)
+    return table
+
+
+def _recording_table(losses: tuple[RecordingLoss, ...], title: str) -> Table:
+    table = Table(title=Text(title))
+    for heading in ("channel", "unit", "raw", "cubic", "full model", "noise of 5 s"):
+        table.add_column(heading, justify="left" if heading in ("channel", "unit") else "right")
+    for loss in losses:
+        figures = (loss.raw, loss.cubic, loss.full, loss.noise_floor)
+        table.add_row(loss.channel, unit_of(loss.channel), *(f"{figure:.4g}" for figure in figures))
+    return table
