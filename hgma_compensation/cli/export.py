@@ -7,9 +7,9 @@ from rich.table import Table
 from rich.text import Text
 
 from hgma_compensation.calibration.document import read_calibration
-from hgma_compensation.channels import unit_of
+from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import check_new, console, counting_bar, write_json
+from hgma_compensation.cli.terminal import check_folder, check_new, console, counting_bar, write_json
 from hgma_compensation.files import write_atomically
 from hgma_compensation.migration.export import Export, Format, Target, make_export
 from hgma_compensation.migration.parameters import AxisConvention
@@ -47,6 +47,9 @@ from hgma_compensation.training.reference import Reference
     help="Axes of the calibration: same as the autopilot's sensor topic, or flu (forward, left, up) of a ROS driver.",
 )
 @click.option(
+    "--channels", "channels_text", metavar="A,B", help="Channels to export; all of the calibration if not given."
+)
+@click.option(
     "--range",
     "span",
     type=float,
@@ -70,6 +73,7 @@ def command(
     device_id: int | None,
     gyro_device_id: int | None,
     axes: str,
+    channels_text: str | None,
     span: tuple[float, float] | None,
     bag: Path | None,
     reference_text: str,
@@ -83,16 +87,23 @@ def command(
     --reference, --from, --until and --remap are for --recording. Read docs/MIGRATION.md before flying with it.
     """
     check_new(output)
+    if json_path is not None:
+        check_folder(json_path)
     ids = {"linear_acceleration": device_id, "angular_velocity": gyro_device_id}
     target = Target(
-        Format(format_name), instance, AxisConvention(axes), {g: n for g, n in ids.items() if n is not None}, span
+        format=Format(format_name),
+        instance=instance,
+        axes=AxisConvention(axes),
+        device_ids={group: number for group, number in ids.items() if number is not None},
+        span=span,
+        channels=None if channels_text is None else parse_channels(channels_text),
     )
     reference = Reference.parse(reference_text)
     export = make_export(read_calibration(calibration), target)
     losses: tuple[RecordingLoss, ...] = ()
     if bag is not None:
         with counting_bar("compensating") as advance:
-            losses = loss_on(
+            all_losses = loss_on(
                 bag,
                 export.calibration,
                 export.offsets(),
@@ -101,6 +112,8 @@ def command(
                 span=(start, end),
                 progress=advance,
             )
+        exported = {f.cubic.channel for f in export.cubics}
+        losses = tuple(loss for loss in all_losses if loss.channel in exported)
     write_atomically(output, export.text().encode())
     _show(export, output)
     if bag is not None:
@@ -133,8 +146,9 @@ def _loss_table(export: Export) -> Table:
     table = Table(title="Loss of the cubic against the full model")
     for heading in ("channel", "unit", "", "RMS", "worst", "worst at"):
         table.add_column(heading, justify="right" if heading in ("RMS", "worst") else "left", no_wrap=True)
-    for fitted, channel in zip(export.cubics, export.calibration.channels, strict=True):
-        rest, ramp = fitted.at_rest, fitted.over_rates
+    channels = {channel.name: channel for channel in export.calibration.channels}
+    for fitted in export.cubics:
+        channel, rest, ramp = channels[fitted.cubic.channel], fitted.at_rest, fitted.over_rates
         table.add_row(
             channel.name,
             unit_of(channel.name),

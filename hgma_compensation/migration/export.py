@@ -30,13 +30,17 @@ class Format(str, Enum):
 
 @dataclass(frozen=True)
 class Target:
-    """instance: of the autopilot's sensor, from 0. device_ids: PX4's, by Imu field. span: °C wanted, None for all."""
+    """instance: of the autopilot's sensor, from 0. device_ids: PX4's, by Imu field.
+
+    span: °C wanted, None for all that is calibrated. channels: those wanted, None for all.
+    """
 
     format: Format
     instance: int = 0
     axes: AxisConvention = AxisConvention.SAME
     device_ids: Mapping[str, int] | None = None
     span: tuple[float, float] | None = None
+    channels: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -58,15 +62,22 @@ class Export:
         return self.target.format is not Format.ARDUPILOT
 
     def offsets(self) -> Offsets:
-        """Return what computes the offsets as the autopilot does, beginning with the first samples that it is given.
+        """Return what computes the offsets of all calibrated channels as the autopilot does, from its first samples on.
 
-        For ArduPilot with the constant term, which its own accelerometer calibration takes up.
+        For ArduPilot with the constant term, which its own accelerometer calibration takes up; 0 for a channel that is
+        not exported.
         """
         held = px4.Held()
+        cubics = {f.cubic.channel: f for f in self.cubics}
+        names = self.calibration.names
 
         def offsets(stamps: Stamps, temperature: Array) -> Array:
             used = held.used(stamps, temperature) if self.is_px4 else temperature
-            return np.stack([_offset(f, self.span, used, self.is_px4) for f in self.cubics], axis=1)
+            found = np.zeros((len(stamps), len(names)))
+            for column, name in enumerate(names):
+                if name in cubics:
+                    found[:, column] = _offset(cubics[name], self.span, used, self.is_px4)
+            return found
 
         return offsets
 
@@ -82,7 +93,6 @@ class Export:
             ),
             *(f"Not carried: {line}" for line in self.not_carried),
         )
-        comments = tuple(_one_line(comment) for comment in comments)
         if self.target.format is Format.PX4:
             return px4.ground_station_file(self.parameters, comments)
         if self.target.format is Format.PX4_SHELL:
@@ -121,13 +131,14 @@ class Export:
 def make_export(calibration: Calibration, target: Target) -> Export:
     """Return a calibration as the autopilot's parameters.
 
-    Raises RefusedError for an instance that the autopilot does not have, an id that is none, and temperatures that are
-    not calibrated.
+    Raises RefusedError for an instance that the autopilot does not have, an id that is none, and channels and
+    temperatures that are not calibrated.
     """
     is_px4 = target.format is not Format.ARDUPILOT
     _check(target, is_px4)
     span = span_of(calibration, px4.REFERENCE if is_px4 else ardupilot.REFERENCE, target.span)
-    fitted = fit_cubics(calibration, span)
+    wanted = _wanted(calibration, target.channels)
+    fitted = tuple(f for f in fit_cubics(calibration, span) if f.cubic.channel in wanted)
     cubics = in_axes([f.cubic for f in fitted], target.axes)
     device_ids = target.device_ids or {}
     if is_px4:
@@ -142,7 +153,7 @@ def make_export(calibration: Calibration, target: Target) -> Export:
         cubics=fitted,
         parameters=tuple(found),
         rounding={f.cubic.channel: _rounding(f, span, grid, is_px4) for f in fitted},
-        not_carried=not_carried(calibration),
+        not_carried=not_carried(calibration, wanted),
         warnings=warnings_of(calibration, fitted, span, target.instance, device_ids if is_px4 else None),
     )
 
@@ -165,6 +176,16 @@ def _check(target: Target, is_px4: bool) -> None:
             )
 
 
+def _wanted(calibration: Calibration, channels: tuple[str, ...] | None) -> tuple[str, ...]:
+    for channel in channels or ():
+        if channel not in calibration.names:
+            raise RefusedError(
+                f"--channels {channel}: the calibration has {', '.join(calibration.names)}, choose among them "
+                "or train the channel"
+            )
+    return calibration.names if channels is None else channels
+
+
 def _offset(fitted: FittedCubic, span: Span, temperature: Array, is_px4: bool) -> Array:
     cubic = fitted.cubic
     if is_px4:
@@ -174,11 +195,6 @@ def _offset(fitted: FittedCubic, span: Span, temperature: Array, is_px4: bool) -
 
 def _rounding(fitted: FittedCubic, span: Span, grid: Array, is_px4: bool) -> float:
     return float(np.abs(_offset(fitted, span, grid, is_px4) - fitted.cubic.evaluate(grid)).max())
-
-
-def _one_line(text: str) -> str:
-    """Return a comment that stays one: a sensor's name comes from outside."""
-    return "".join(character if character.isprintable() else "?" for character in text)
 
 
 def _without_name(loss: RecordingLoss) -> dict[str, float]:

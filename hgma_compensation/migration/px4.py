@@ -10,6 +10,7 @@ reference temperature in the middle, file of parameters: Tools/process_sensor_ca
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,24 +92,26 @@ class Held:
 
     def __init__(self) -> None:
         """Start before the first sample."""
-        self._next: int | None = None
+        self._polled = -POLL
         self._last = np.float32(-100.0)
         self._used = 0.0
 
     def used(self, stamps: Stamps, temperature: Array) -> Array:
         """Return the temperatures (n,) °C whose offsets are in use; stamps (n,) in ns, after those before."""
         result = np.empty(len(stamps))
-        row = 0
-        while row < len(stamps):
-            if self._next is None or stamps[row] >= self._next:
-                self._poll(int(stamps[row]), float(temperature[row]))
-            assert self._next is not None
-            end = max(row + 1, int(np.searchsorted(stamps, self._next)))
-            result[row:end] = self._used
-            row = end
+        steps_back = np.flatnonzero(np.diff(stamps) < 0) + 1
+        for start, stop in pairwise([0, *steps_back.tolist(), len(stamps)]):
+            row = start
+            while row < stop:
+                stamp = int(stamps[row])
+                if not self._polled <= stamp < self._polled + POLL:
+                    self._poll(stamp, float(temperature[row]))
+                end = row + int(np.searchsorted(stamps[row:stop], self._polled + POLL))
+                result[row:end] = self._used
+                row = end
         return result
 
     def _poll(self, stamp: int, temperature: float) -> None:
-        self._next = stamp + POLL
+        self._polled = stamp
         if abs(np.float32(temperature) - self._last) > RENEWED_AFTER:
             self._last, self._used = np.float32(temperature), temperature

@@ -61,16 +61,14 @@ def _at_rest(calibration: Calibration, temperature: Array) -> Conditions:
 
 def _settled(applied: AppliedEffect, at: Conditions) -> Array:
     """Return what the effect makes (n,) of each row's own temperature once it has lasted for ever."""
-    if isinstance(applied.effect, PeriodicInterference):
-        return np.zeros(len(at))  # a wave has no part that stays
-    return np.nan_to_num(applied.drift(at, _state(applied.effect, at)), nan=0.0)
+    effect = applied.effect
+    if isinstance(effect, PeriodicInterference) or effect.acceleration_memory() is not None:
+        return np.zeros(len(at))  # a wave has no part that stays, and what remembers shocks or vibration has had none
+    return np.nan_to_num(applied.drift(at, _state(effect, at)), nan=0.0)
 
 
 def _state(effect: Effect, at: Conditions) -> Array:
-    memory, driven = effect.memory(), effect.acceleration_memory()
-    if driven is not None:
-        still = driven.run(driven.start(), at.stamps[:1], np.zeros(1))
-        return np.repeat(still, len(at), axis=0)
+    memory = effect.memory()
     if memory is None:
         return no_memory(len(at))
     if isinstance(memory, Coldness):  # which starts at the power-on, and not in equilibrium as the others
