@@ -1,5 +1,6 @@
 """The cubic that stands for a drift, and what is said of its loss."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -97,10 +98,18 @@ def test_what_is_left_out_is_named_with_its_channels():
     effects = [AppliedEffect(channel, lag, np.ones(1)) for channel in LINEAR[1:]]
     lines = not_carried(make_calibration(mode=FilterMode.BIAS, effects=effects), LINEAR)
     axes = [f"linear_acceleration.{axis}" for axis in "xyz"]
-    assert [line.split(": ")[1].split(", ") for line in lines] == [axes, axes[1:], axes]
+    listed = [[re.sub(r" \(.*", "", name) for name in line.split(": ")[1].split(", ")] for line in lines]
+    assert listed == [axes, axes[1:], axes]
     assert "rate" in lines[0]
     assert "thermal_lag" in lines[1]
     assert "Kalman" in lines[2]
+
+
+def test_the_answer_to_the_rate_is_named_with_its_size():
+    drift = PolynomialDrift(SCALING, np.array([[1, 0, 0], [0, 1, 0]]), np.array([1.0, 0.05]))
+    lines = not_carried(with_drift(make_calibration(), drift), LINEAR[:1])
+    # 0.05 m/s² at each 0.05 °C/s of the scaling, over rates of up to 1 °C/s.
+    assert lines == ("answer of the drift to the temperature's rate: linear_acceleration.x (up to 1 m/s^2)",)
 
 
 def test_a_product_with_a_fixed_temperature_is_no_answer_to_the_rate():

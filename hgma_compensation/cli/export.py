@@ -62,7 +62,8 @@ from hgma_compensation.training.reference import Reference
     "--recording", "bag", type=options.PathArgument(), metavar="BAG", help="Also state the loss on a recording."
 )
 @options.reference
-@options.time_range
+@click.option("--from", "start", type=float, metavar="S", help="Count samples from S seconds on; the rest is history.")
+@click.option("--until", "end", type=float, metavar="S", help="Count samples before S seconds from the start.")
 @options.remap
 @options.json_file
 def command(
@@ -146,6 +147,7 @@ def _loss_table(export: Export) -> Table:
     table = Table(title="Loss of the cubic against the full model")
     for heading in ("channel", "unit", "", "RMS", "worst", "worst at"):
         table.add_column(heading, justify="right" if heading in ("RMS", "worst") else "left", no_wrap=True)
+    rates = "over calibrated rates" + (", effects at rest" if export.calibration.effects else "")
     channels = {channel.name: channel for channel in export.calibration.channels}
     for fitted in export.cubics:
         channel, rest, ramp = channels[fitted.cubic.channel], fitted.at_rest, fitted.over_rates
@@ -158,7 +160,7 @@ def _loss_table(export: Export) -> Table:
             f"{rest.temperature:.3g} °C",
         )
         where = f"{ramp.temperature:.3g} °C, {ramp.rate:.2g} °C/s"
-        table.add_row("", "", "over calibrated rates", f"{ramp.rms:.3g}", f"{ramp.worst:.3g}", where)
+        table.add_row("", "", rates, f"{ramp.rms:.3g}", f"{ramp.worst:.3g}", where)
         if export.is_px4:
             step = fitted.steepest * float(RENEWED_AFTER)
             table.add_row("", "", "renewed after 1 °C", "", f"{step:.3g}", "")

@@ -2,24 +2,35 @@
 
 from collections.abc import Sequence
 
-from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration
-from hgma_compensation.drift.polynomial import PolynomialDrift
+import numpy as np
+
+from hgma_compensation.calibration.calibration import Calibration
+from hgma_compensation.channels import unit_of
+from hgma_compensation.drift.inputs import Array
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.temperature.features import FeatureSettings, Product
+from hgma_compensation.migration.steady_drift import steady_drift
 
 FILTERS = {
     FilterMode.SMOOTH: "Kalman stage that smooths",
     FilterMode.BIAS: "Kalman stage that follows the bias at rest",
 }
 
+NEGLIGIBLE = 0.01
+"""Share of a model's own error below which its answer to the rate is not worth a word."""
+
+POINTS = 41
+"""Temperatures, and rates, at which that answer is looked for."""
+
 
 def not_carried(calibration: Calibration, channels: Sequence[str]) -> tuple[str, ...]:
     """Return what an autopilot leaves out of these channels, with their names; what is static in it is in the cubic."""
     found: dict[str, list[str]] = {}
     exported = [channel for channel in calibration.channels if channel.name in channels]
+    answers = dict(zip(calibration.names, _answers_to_rate(calibration).tolist(), strict=True))
     for channel in exported:
-        if _answers_to_rate(channel, calibration.features):
-            found.setdefault("answer of the drift to the temperature's rate", []).append(channel.name)
+        if answers[channel.name] > NEGLIGIBLE * channel.error.unseen:
+            size = f"{channel.name} (up to {answers[channel.name]:.2g} {unit_of(channel.name)})"
+            found.setdefault("answer of the drift to the temperature's rate", []).append(size)
     for applied in calibration.effects:
         if applied.channel in channels:
             found.setdefault(f"{applied.effect.title} (effect {applied.effect.name})", []).append(applied.channel)
@@ -29,11 +40,10 @@ def not_carried(calibration: Calibration, channels: Sequence[str]) -> tuple[str,
     return tuple(f"{what}: {', '.join(dict.fromkeys(names))}" for what, names in found.items())
 
 
-def _answers_to_rate(channel: ChannelCalibration, features: FeatureSettings) -> bool:
-    drift = channel.drift
-    if not isinstance(drift, PolynomialDrift):
-        return True
-    # With a fixed reference temperature the product is one more function of the temperature alone.
-    with_rate = [1, 2] if features.product is Product.DELAY else [1]
-    used = drift.exponents[drift.coefficients != 0.0]
-    return bool(used[:, with_rate].any())
+def _answers_to_rate(calibration: Calibration) -> Array:
+    """Return the largest change (c,) that a rate of the calibrated range makes to the drift at rest."""
+    box = calibration.calibrated_range
+    axes = (np.linspace(box.lower[number], box.upper[number], POINTS) for number in (0, 1))
+    temperature, rate = (np.ravel(axis) for axis in np.meshgrid(*axes))
+    change = steady_drift(calibration, temperature, rate) - steady_drift(calibration, temperature, np.zeros(len(rate)))
+    return np.asarray(np.abs(change).max(axis=0))

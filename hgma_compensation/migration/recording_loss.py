@@ -16,7 +16,7 @@ from hgma_compensation.recording.bag_reader import no_samples, open_bag
 from hgma_compensation.recording.bag_topics import BagTopics
 from hgma_compensation.recording.offline_run import OfflineRun
 from hgma_compensation.recording.recording import Extent
-from hgma_compensation.recording.streamed import survey
+from hgma_compensation.recording.streamed import EVER, survey
 from hgma_compensation.stamps import Stamps
 from hgma_compensation.training.reference import Reference
 
@@ -47,30 +47,36 @@ def loss_on(
 ) -> tuple[RecordingLoss, ...]:
     """Return the errors of each channel of a bag, read once, in memory that does not depend on its length.
 
-    span: s from the start of the recording that count. The autopilot's thermometer is taken to be as good as the
-    pipeline's trend of the recorded one. Raises RefusedError where the bag lacks what the calibration needs.
+    span: s from the start of the recording that count; what comes before is run through for its history, which a
+    robot has too, and a memory without a past would be judged by its beginning. The autopilot's thermometer is taken to
+    be as good as the pipeline's trend of the recorded one. Raises RefusedError where the bag lacks what the calibration
+    needs.
     """
     path = Path(path)
-    extent, stamps = None, None
+    extent, first, last = None, *EVER
     if span != (None, None) and (whole := survey(path, names)) is not None:
         extent = Extent(whole.name, whole.start, whole.duration)
-        stamps = extent.span(*span)
+        first, last = extent.span(*span)
     full, cubic = (LongEvaluation(calibration, reference) for _ in range(2))
     with open_bag(path) as bag:
         found = BagTopics(bag, path, names)
-        run = OfflineRun(bag, path, found, calibration, found.read, stamps)
+        run = OfflineRun(bag, path, found, calibration, found.read)
         for batch, made in run.windows():
             if made is not None and len(made.samples):
                 times = made.messages.stamps[made.samples]
                 raw = made.messages.values[made.samples][:, columns_of(calibration.names)]
                 temperature = made.result.features[:, 0].copy()
-                full.add(Part(times, raw, made.result.values, temperature))
-                cubic.add(Part(times, raw, raw - offsets(times, temperature), temperature))
+                corrected = raw - offsets(times, temperature)
+                rows = (times >= first) & (times < last)
+                for gathered, values in ((full, made.result.values), (cubic, corrected)) if rows.any() else ():
+                    gathered.add(Part(times[rows], raw[rows], values[rows], temperature[rows]))
             if progress is not None:
                 progress(len(batch))
     if not run.samples:
-        raise no_samples(path, found) if extent is None else extent.nothing_left(*span)
+        raise no_samples(path, found)
     run.check()
+    if not full.samples and extent is not None:
+        raise extent.nothing_left(*span)
     if not full.samples:
         raise RefusedError(f"{path.name} has no sample that is finite in all channels that the calibration needs")
     return _losses(cubic.evaluation(), full.evaluation())
