@@ -13,8 +13,9 @@ from hgma_compensation.cli.main import main
 from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.effects.registry import make
 from hgma_compensation.evaluation.evaluate import evaluate
-from hgma_compensation.migration.export import Format, Target, make_export
+from hgma_compensation.migration.export import make_export
 from hgma_compensation.migration.not_carried import not_carried
+from hgma_compensation.migration.target import Format, Target
 from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.recording.bag_writer import write_recording
 from hgma_compensation.recording.compensated_bag import compensate_recording
@@ -148,7 +149,10 @@ def test_mistakes_are_one_line_and_leave_nothing(tmp_path, cal, bag, capsys):
     assert "does not exist" in refused(capsys, *export, "--recording", tmp_path / "no_bag")
     assert "--reference" in refused(capsys, *export, "--recording", bag, "--reference", "x")
     assert "no sample from 1000 s" in refused(capsys, *export, "--recording", bag, "--from", 1000)
+    assert "--from is for the loss on a recording" in refused(capsys, *export, "--from", 5)
+    assert "--reference is for" in refused(capsys, *export, "--reference", "9.81")
     assert "no directory" in refused(capsys, *export, "--json", tmp_path / "no" / "e.json")
+    assert "is given twice" in refused(capsys, *export, "--json", out)
     ardupilot = ("export", cal, "--format", "ardupilot", "-o", out)
     assert "leave it out" in refused(capsys, *ardupilot, "--device-id", 5)
     document = json.loads(cal.read_text())

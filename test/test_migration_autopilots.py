@@ -13,8 +13,9 @@ from hgma_compensation.channels import AXES, CHANNELS
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.migration import ardupilot, px4
 from hgma_compensation.migration.cubic import Cubic, Span
-from hgma_compensation.migration.export import Format, Target, make_export
+from hgma_compensation.migration.export import make_export
 from hgma_compensation.migration.parameters import AxisConvention, Parameter
+from hgma_compensation.migration.target import Format, Target
 from hgma_compensation.stamps import NANOSECONDS
 
 EPSILON = 2.0**-23

@@ -3,20 +3,23 @@
 from pathlib import Path
 
 import click
-from rich.table import Table
-from rich.text import Text
+from click.core import ParameterSource
 
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
+from hgma_compensation.cli.export_tables import loss_table, recording_table
 from hgma_compensation.cli.terminal import check_folder, check_new, console, counting_bar, write_json
+from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
-from hgma_compensation.migration.export import Export, Format, Target, make_export
+from hgma_compensation.migration.export import Export, make_export
 from hgma_compensation.migration.parameters import AxisConvention
-from hgma_compensation.migration.px4 import RENEWED_AFTER
 from hgma_compensation.migration.recording_loss import RecordingLoss, loss_on
+from hgma_compensation.migration.target import Format, Target
 from hgma_compensation.topics import TopicNames
 from hgma_compensation.training.reference import Reference
+
+OF_RECORDING = {"reference_text": "--reference", "start": "--from", "end": "--until", "names": "--remap"}
 
 
 @click.command("export")
@@ -87,9 +90,12 @@ def command(
 
     --reference, --from, --until and --remap are for --recording. Read docs/MIGRATION.md before flying with it.
     """
+    _check_options(bag)
     check_new(output)
     if json_path is not None:
         check_folder(json_path)
+        if json_path.resolve() == output.resolve():
+            raise RefusedError(f"{output} is given twice, with -o and with --json: choose another name for one of them")
     ids = {"linear_acceleration": device_id, "angular_velocity": gyro_device_id}
     target = Target(
         format=Format(format_name),
@@ -118,8 +124,16 @@ def command(
     write_atomically(output, export.text().encode())
     _show(export, output)
     if bag is not None:
-        console.print(_recording_table(losses, f"RMS error on {bag.name}, means of 5 s, reference {reference}"))
+        console.print(recording_table(losses, f"RMS error on {bag.name}, means of 5 s, reference {reference}"))
     write_json(json_path, export.as_json(losses))
+
+
+def _check_options(bag: Path | None) -> None:
+    """Raise RefusedError for an option that says nothing without a recording."""
+    context = click.get_current_context()
+    for name, flag in OF_RECORDING.items():
+        if bag is None and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+            raise RefusedError(f"{flag} is for the loss on a recording: give the bag with --recording, or leave it out")
 
 
 def _show(export: Export, output: Path) -> None:
@@ -128,8 +142,8 @@ def _show(export: Export, output: Path) -> None:
         f"{output}: {len(export.parameters)} parameters for {span.lowest:.4g} to {span.highest:.4g} °C "
         f"about {span.reference:.4g} °C, of {export.calibration.calibration_id}"
     )
-    console.print(_loss_table(export))
-    if not export.is_px4:
+    console.print(loss_table(export))
+    if not export.target.is_px4:
         constants = ", ".join(
             f"{f.cubic.channel} {f.cubic.coefficients[0]:.4g} {unit_of(f.cubic.channel)}" for f in export.cubics
         )
@@ -141,39 +155,3 @@ def _show(export: Export, output: Path) -> None:
         click.echo(f"not carried: {line}")
     for line in export.warnings:
         click.echo(f"warning: {line}", err=True)
-
-
-def _loss_table(export: Export) -> Table:
-    table = Table(title="Loss of the cubic against the full model")
-    for heading in ("channel", "unit", "", "RMS", "worst", "worst at"):
-        table.add_column(heading, justify="right" if heading in ("RMS", "worst") else "left", no_wrap=True)
-    rates = "over calibrated rates" + (", effects at rest" if export.calibration.effects else "")
-    channels = {channel.name: channel for channel in export.calibration.channels}
-    for fitted in export.cubics:
-        channel, rest, ramp = channels[fitted.cubic.channel], fitted.at_rest, fitted.over_rates
-        table.add_row(
-            channel.name,
-            unit_of(channel.name),
-            "at rest",
-            f"{rest.rms:.3g}",
-            f"{rest.worst:.3g}",
-            f"{rest.temperature:.3g} °C",
-        )
-        where = f"{ramp.temperature:.3g} °C, {ramp.rate:.2g} °C/s"
-        table.add_row("", "", rates, f"{ramp.rms:.3g}", f"{ramp.worst:.3g}", where)
-        if export.is_px4:
-            step = fitted.steepest * float(RENEWED_AFTER)
-            table.add_row("", "", "renewed after 1 °C", "", f"{step:.3g}", "")
-        table.add_row("", "", "single precision", "", f"{export.rounding[channel.name]:.1g}", "")
-        table.add_row("", "", "beside it: model's own error", f"{channel.error.unseen:.3g}", "", "", end_section=True)
-    return table
-
-
-def _recording_table(losses: tuple[RecordingLoss, ...], title: str) -> Table:
-    table = Table(title=Text(title))
-    for heading in ("channel", "unit", "raw", "cubic", "full model", "noise of 5 s"):
-        table.add_column(heading, justify="left" if heading in ("channel", "unit") else "right")
-    for loss in losses:
-        figures = (loss.raw, loss.cubic, loss.full, loss.noise_floor)
-        table.add_row(loss.channel, unit_of(loss.channel), *(f"{figure:.4g}" for figure in figures))
-    return table

@@ -6,7 +6,7 @@ import numpy as np
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import AXES, GROUPS
-from hgma_compensation.migration import ardupilot
+from hgma_compensation.migration import ardupilot, px4
 from hgma_compensation.migration.cubic import FittedCubic, Span
 from hgma_compensation.migration.parameters import groups_of
 
@@ -34,26 +34,25 @@ def _of_calibration(calibration: Calibration, fitted: Sequence[FittedCubic]) -> 
             "the training recordings never rested: the calibrated rates do not include 0 °C/s, the cubic is that of "
             f"the slowest, {min(box.lower[1], box.upper[1], key=abs):.3g} °C/s; record soaks and train again"
         )
-    names = {f.cubic.channel for f in fitted}
-    for group in groups_of({f.cubic.channel: f.cubic for f in fitted}):
+    names = _names(fitted)
+    for group in groups_of(names):
         missing = [f"{group}.{axis}" for axis in AXES if f"{group}.{axis}" not in names]
         if missing:
             yield f"{', '.join(missing)} is not calibrated: its coefficients are 0, the autopilot leaves it as it is"
 
 
 def _of_px4(fitted: Sequence[FittedCubic], instance: int, device_ids: Mapping[str, int]) -> Iterator[str]:
-    flags = {"linear_acceleration": ("--device-id", "A"), "angular_velocity": ("--gyro-device-id", "G")}
-    covered = groups_of({f.cubic.channel: f.cubic for f in fitted})
+    covered = groups_of(_names(fitted))
     for group in covered:
-        flag, letter = flags[group]
         if group not in device_ids:
             yield (
-                f"TC_{letter}{instance}_ID is not in the file: PX4 uses the coefficients only for the sensor that it "
-                f"names; give {flag} with the number in the column device_id of the log, or set it on the vehicle"
+                f"TC_{px4.LETTERS[group]}{instance}_ID is not in the file: PX4 uses the coefficients only for the "
+                f"sensor that it names; give {px4.ID_OPTIONS[group]} with the number in the column device_id of the "
+                "log, or set it on the vehicle"
             )
     for group in device_ids:
         if group not in covered:
-            yield f"{flags[group][0]} is not used: the calibration has no channel of {group}"
+            yield f"{px4.ID_OPTIONS[group]} is not used: the calibration has no channel of {group}"
 
 
 def _of_ardupilot(fitted: Sequence[FittedCubic], span: Span, instance: int) -> Iterator[str]:
@@ -66,7 +65,7 @@ def _of_ardupilot(fitted: Sequence[FittedCubic], span: Span, instance: int) -> I
         )
     if span.highest - span.lowest < ardupilot.SMALLEST_SPAN:
         yield f"{prefix}TMAX must be {ardupilot.SMALLEST_SPAN:g} °C or more above TMIN, as its description says"
-    covered = groups_of({f.cubic.channel: f.cubic for f in fitted})
+    covered = groups_of(_names(fitted))
     for group in GROUPS:
         if group not in covered:
             yield (
@@ -81,3 +80,7 @@ def _of_ardupilot(fitted: Sequence[FittedCubic], span: Span, instance: int) -> I
                 f"of it at the temperature of the accelerometer's calibration, is documented for ±"
                 f"{ardupilot.LARGEST_OFFSET:g} m/s²"
             )
+
+
+def _names(fitted: Sequence[FittedCubic]) -> set[str]:
+    return {f.cubic.channel for f in fitted}

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -10,37 +9,14 @@ import numpy as np
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.drift.inputs import Array
-from hgma_compensation.errors import RefusedError
 from hgma_compensation.migration import ardupilot, px4
 from hgma_compensation.migration.cautions import warnings_of
 from hgma_compensation.migration.cubic import FittedCubic, Span, fit_cubics, span_of
 from hgma_compensation.migration.not_carried import not_carried
-from hgma_compensation.migration.parameters import AxisConvention, Parameter, in_axes
+from hgma_compensation.migration.parameters import Parameter, in_axes
 from hgma_compensation.migration.recording_loss import Offsets, RecordingLoss
+from hgma_compensation.migration.target import Format, Target
 from hgma_compensation.stamps import Stamps
-
-
-class Format(str, Enum):
-    """Files that can be written: QGroundControl's, commands for PX4's shell, ArduPilot's ground stations'."""
-
-    PX4 = "px4"
-    PX4_SHELL = "px4-nsh"
-    ARDUPILOT = "ardupilot"
-
-
-@dataclass(frozen=True)
-class Target:
-    """instance: of the autopilot's sensor, from 0. device_ids: PX4's, by Imu field.
-
-    span: °C wanted, None for all that is calibrated. channels: those wanted, None for all.
-    """
-
-    format: Format
-    instance: int = 0
-    axes: AxisConvention = AxisConvention.SAME
-    device_ids: Mapping[str, int] | None = None
-    span: tuple[float, float] | None = None
-    channels: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -56,11 +32,6 @@ class Export:
     not_carried: tuple[str, ...]
     warnings: tuple[str, ...]
 
-    @property
-    def is_px4(self) -> bool:
-        """Whether PX4 is to use it."""
-        return self.target.format is not Format.ARDUPILOT
-
     def offsets(self) -> Offsets:
         """Return what computes the offsets of all calibrated channels as the autopilot does, from its first samples on.
 
@@ -72,11 +43,11 @@ class Export:
         names = self.calibration.names
 
         def offsets(stamps: Stamps, temperature: Array) -> Array:
-            used = held.used(stamps, temperature) if self.is_px4 else temperature
+            used = held.used(stamps, temperature) if self.target.is_px4 else temperature
             found = np.zeros((len(stamps), len(names)))
             for column, name in enumerate(names):
                 if name in cubics:
-                    found[:, column] = _offset(cubics[name], self.span, used, self.is_px4)
+                    found[:, column] = _offset(cubics[name], self.span, used, self.target.is_px4)
             return found
 
         return offsets
@@ -134,10 +105,10 @@ def make_export(calibration: Calibration, target: Target) -> Export:
     Raises RefusedError for an instance that the autopilot does not have, an id that is none, and channels and
     temperatures that are not calibrated.
     """
-    is_px4 = target.format is not Format.ARDUPILOT
-    _check(target, is_px4)
+    is_px4 = target.is_px4
+    target.check()
     span = span_of(calibration, px4.REFERENCE if is_px4 else ardupilot.REFERENCE, target.span)
-    wanted = _wanted(calibration, target.channels)
+    wanted = target.wanted(calibration.names)
     fitted = tuple(f for f in fit_cubics(calibration, span) if f.cubic.channel in wanted)
     cubics = in_axes([f.cubic for f in fitted], target.axes)
     device_ids = target.device_ids or {}
@@ -156,34 +127,6 @@ def make_export(calibration: Calibration, target: Target) -> Export:
         not_carried=not_carried(calibration, wanted),
         warnings=warnings_of(calibration, fitted, span, target.instance, device_ids if is_px4 else None),
     )
-
-
-def _check(target: Target, is_px4: bool) -> None:
-    instances = px4.INSTANCES if is_px4 else ardupilot.INSTANCES
-    if not 0 <= target.instance < instances:
-        raise RefusedError(
-            f"--instance {target.instance}: {target.format.value} has parameters for sensors 0 to {instances - 1}, "
-            "counted from 0"
-        )
-    for group, number in (target.device_ids or {}).items():
-        flag = "--device-id" if group == "linear_acceleration" else "--gyro-device-id"
-        if not is_px4:
-            raise RefusedError(f"{flag}: ArduPilot's parameters name no device, leave it out")
-        if not 0 < number <= px4.LARGEST_ID:
-            raise RefusedError(
-                f"{flag} {number}: give the number in the column device_id of sensor_accel or sensor_gyro, "
-                f"1 to {px4.LARGEST_ID}"
-            )
-
-
-def _wanted(calibration: Calibration, channels: tuple[str, ...] | None) -> tuple[str, ...]:
-    for channel in channels or ():
-        if channel not in calibration.names:
-            raise RefusedError(
-                f"--channels {channel}: the calibration has {', '.join(calibration.names)}, choose among them "
-                "or train the channel"
-            )
-    return calibration.names if channels is None else channels
 
 
 def _offset(fitted: FittedCubic, span: Span, temperature: Array, is_px4: bool) -> Array:

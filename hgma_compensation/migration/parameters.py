@@ -1,12 +1,12 @@
 """Parameters of an autopilot, and files of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
-from hgma_compensation.channels import AXES, CHANNELS
+from hgma_compensation.channels import AXES, CHANNELS, group_of
 from hgma_compensation.migration.cubic import Cubic
 
 FLU = {"x": 1.0, "y": -1.0, "z": -1.0}
@@ -47,9 +47,9 @@ def in_axes(cubics: Sequence[Cubic], axes: AxisConvention) -> dict[str, Cubic]:
     return {c.channel: Cubic(c.channel, c.reference, signs[c.channel[-1]] * c.coefficients) for c in cubics}
 
 
-def groups_of(cubics: Mapping[str, Cubic]) -> tuple[str, ...]:
-    """Return the Imu fields that the cubics cover, "linear_acceleration" and "angular_velocity"."""
-    return tuple(dict.fromkeys(c.split(".")[0] for c in CHANNELS if c in cubics))
+def groups_of(channels: Container[str]) -> tuple[str, ...]:
+    """Return the Imu fields that have some of the channels, "linear_acceleration" and "angular_velocity"."""
+    return tuple(dict.fromkeys(group_of(channel) for channel in CHANNELS if channel in channels))
 
 
 def coefficient(cubics: Mapping[str, Cubic], group: str, axis: str, power: int) -> float:

@@ -22,6 +22,9 @@ from hgma_compensation.migration.parameters import Parameter, coefficient, group
 from hgma_compensation.stamps import NANOSECONDS, Stamps
 
 LETTERS = {"linear_acceleration": "A", "angular_velocity": "G"}
+ID_OPTIONS = {"linear_acceleration": "--device-id", "angular_velocity": "--gyro-device-id"}
+"""Options of ``hgma export`` that give a sensor's identity."""
+
 INSTANCES = 4
 REFERENCE = None
 """The reference temperature is a parameter: the middle of the range, as PX4's own script has it."""
