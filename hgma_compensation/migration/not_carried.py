@@ -29,7 +29,7 @@ def not_carried(calibration: Calibration, channels: Sequence[str]) -> tuple[str,
     answers = dict(zip(calibration.names, _answers_to_rate(calibration).tolist(), strict=True))
     for channel in exported:
         if answers[channel.name] > NEGLIGIBLE * channel.error.unseen:
-            size = f"{channel.name} (up to {answers[channel.name]:.2g} {unit_of(channel.name)})"
+            size = f"{channel.name} (up to {answers[channel.name]:.3g} {unit_of(channel.name)})"
             found.setdefault("answer of the drift to the temperature's rate", []).append(size)
     for applied in calibration.effects:
         if applied.channel in channels:
