@@ -18,7 +18,7 @@ from hgma_compensation.migration.parameters import AxisConvention, Parameter
 from hgma_compensation.migration.target import Format, Target
 from hgma_compensation.stamps import NANOSECONDS
 
-EPSILON = 2.0**-23
+EPSILON, SMALLEST = 2.0**-23, 2.0**-126
 ALL = make_calibration(2, channels=CHANNELS)
 ACCELEROMETER = make_calibration(2)
 TEMPERATURES = [-60.0, -11.0, -3.25, 25.0, 35.0, 44.5, 61.0, 90.0]
@@ -37,12 +37,16 @@ def cubics(draw, reference=None):
 
 
 def bound(cubic, span):
-    """Return what single precision may do: roundings of coefficients, products and sums, and of the temperature."""
+    """Return what single precision may do: roundings of coefficients, products and sums, and of the temperature.
+
+    Beside them what is too small for single precision, which vanishes.
+    """
     reach = max(abs(span.lowest - span.reference), abs(span.highest - span.reference))
     terms = np.abs(cubic.coefficients) * reach ** np.arange(4)
     slope = np.sum(terms[1:] * np.arange(1, 4)) / reach
     hottest = max(abs(span.lowest), abs(span.highest), abs(span.reference))
-    return EPSILON * (8.0 * terms.sum() + 2.0 * slope * hottest)
+    vanished = SMALLEST * np.sum(reach ** np.arange(4))
+    return EPSILON * (8.0 * terms.sum() + 2.0 * slope * hottest) + vanished
 
 
 @settings(deadline=None)

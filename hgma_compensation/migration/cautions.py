@@ -38,7 +38,7 @@ def _of_calibration(calibration: Calibration, fitted: Sequence[FittedCubic]) -> 
     for group in groups_of(names):
         missing = [f"{group}.{axis}" for axis in AXES if f"{group}.{axis}" not in names]
         if missing:
-            yield f"no calibration of {', '.join(missing)}: coefficients of 0, with which the autopilot leaves it as it is"
+            yield f"no calibration of {', '.join(missing)}: coefficients of 0, the autopilot leaves it as it is"
 
 
 def _of_px4(fitted: Sequence[FittedCubic], instance: int, device_ids: Mapping[str, int]) -> Iterator[str]:
