@@ -4,10 +4,13 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.cli import options
 from hgma_compensation.cli.terminal import check_new, counting_bar, write_json
+from hgma_compensation.errors import RefusedError
+from hgma_compensation.migration.presets import PRESETS
 from hgma_compensation.recording.bag_writer import Storage, write_recording
 from hgma_compensation.recording.csv_table import (
     ACCELERATION_UNITS,
@@ -32,11 +35,28 @@ def _unit(flag: str, units: Any, default: str) -> Any:
     )
 
 
-@click.command("import-csv")
+def _epilog() -> str:
+    lines = "\n".join(f"{name}: {preset.made_by}" for name, preset in PRESETS.items())
+    return f"\b\nPresets, and what makes their tables:\n{lines}"
+
+
+@click.command("import-csv", epilog=_epilog())
 @click.argument("file", type=options.PathArgument())
 @options.output("BAG", "Recording to write.")
-@click.option("--time", required=True, metavar="COL", help="Column of the time.")
-@click.option("--temperature", required=True, metavar="COL", help="Column of the thermistor.")
+@click.option(
+    "--preset",
+    type=click.Choice(list(PRESETS)),
+    help="Columns and units of an autopilot's log; what else is given wins.",
+)
+@click.option(
+    "--sensor",
+    type=click.IntRange(min=0),
+    default=0,
+    metavar="N",
+    help="With a preset whose table mixes sensors: which.",
+)
+@click.option("--time", metavar="COL", help="Column of the time.")
+@click.option("--temperature", metavar="COL", help="Column of the thermistor.")
 @_channel_options
 @click.option("--temperature-2", metavar="COL", help="Column of a second thermometer.")
 @click.option("--supply-voltage", metavar="COL", help="Column of the supply voltage, V.")
@@ -58,6 +78,7 @@ def command(file: Path, output: Path, storage: Storage, json_path: Path | None, 
     A column (COL) is given by its name or by its number, counted from 1. Time keeps the table's scale.
     """
     check_new(output)
+    only = _apply_preset(chosen)
     columns = Columns(
         time=chosen["time"],
         temperature=chosen["temperature"],
@@ -71,6 +92,7 @@ def command(file: Path, output: Path, storage: Storage, json_path: Path | None, 
         start=chosen["start"],
         end=chosen["end"],
         skip_rows=chosen["skip_rows"],
+        only=only,
         frame=chosen["frame_id"],
     )
     recording = read_table(file, columns)
@@ -87,3 +109,30 @@ def command(file: Path, output: Path, storage: Storage, json_path: Path | None, 
             "channels": list(recording.present),
         },
     )
+
+
+def _apply_preset(chosen: dict[str, Any]) -> tuple[str, float] | None:
+    """Fill in what the preset says and the command line does not; return the column and number of the sensor's rows."""
+    context = click.get_current_context()
+    preset = None if chosen["preset"] is None else PRESETS[chosen["preset"]]
+    if preset is not None:
+        settings = {
+            "time": preset.time,
+            "temperature": preset.temperature,
+            "time_unit": preset.time_unit,
+            "acceleration_unit": preset.acceleration_unit,
+            "angular_velocity_unit": preset.rate_unit,
+            "temperature_unit": preset.temperature_unit,
+            **{channel.replace(".", "__"): column for channel, column in preset.channels.items()},
+        }
+        for name, value in settings.items():
+            if context.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
+                chosen[name] = value
+    for name in ("time", "temperature"):
+        if chosen[name] is None:
+            raise RefusedError(f"--{name} is missing: name the column, or give --preset {'|'.join(PRESETS)}")
+    if preset is not None and preset.sensor is not None:
+        return preset.sensor, float(chosen["sensor"])
+    if context.get_parameter_source("sensor") is ParameterSource.COMMANDLINE:
+        raise RefusedError("--sensor is for a preset whose table mixes sensors: each has a file of its own here")
+    return None

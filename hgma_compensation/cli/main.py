@@ -19,6 +19,7 @@ COMMANDS = {
     "play": "publish a recording to ROS",
     "inspect": "a calibration in words",
     "watch": "what a running node receives and publishes",
+    "export": "cubic coefficients for PX4 or ArduPilot",
     "node": "run the ROS 2 node",
 }
 """In the order of work; each in the module of its name, imported only when it is called."""

@@ -36,7 +36,8 @@ class Columns:
     """Which columns of the table hold what: a header name, or a number counted from 1.
 
     channels: column of each channel that the table has. start, end: keep rows with start <= time < end,
-    in s on the time column's own scale. skip_rows: data rows to leave out at the beginning.
+    in s on the time column's own scale. skip_rows: data rows to leave out at the beginning. only: a column, and the
+    number that it holds in the rows of this sensor; None where all rows are.
     """
 
     time: str
@@ -51,6 +52,7 @@ class Columns:
     start: float | None = None
     end: float | None = None
     skip_rows: int = 0
+    only: tuple[str, float] | None = None
     frame: str = field(default="imu_link")
 
 
@@ -114,13 +116,29 @@ def _check_increasing(path: Path, stamps: NDArray[np.int64]) -> None:
         )
 
 
+def _rows_of(
+    path: Path, table: dict[str, NDArray[np.float64]], column: str, number: float
+) -> dict[str, NDArray[np.float64]]:
+    """Return the rows in which a column, read as "only", holds a number; raises RefusedError where none does."""
+    sensors = table.pop("only")
+    rows = sensors == number
+    if len(sensors) and not rows.any():
+        held = ", ".join(f"{value:g}" for value in np.unique(sensors)[:10])
+        raise RefusedError(f"{path} has no row with {number:g} in column {column!r}: it has {held}, choose another one")
+    return {name: numbers[rows] for name, numbers in table.items()}
+
+
 def _read_columns(path: Path, columns: Columns) -> dict[str, NDArray[np.float64]]:
     wanted = {"time": columns.time, "temperature": columns.temperature, **columns.channels}
     for name in ("temperature_2", "supply_voltage"):
         column = getattr(columns, name)
         if column is not None:
             wanted[name] = column
+    if columns.only is not None:
+        wanted["only"] = columns.only[0]
     table = read_columns(path, wanted, skip_rows=columns.skip_rows)
+    if columns.only is not None:
+        table = _rows_of(path, table, *columns.only)
     if (rows := len(table["time"])) < 2:
         raise RefusedError(
             f"{path} has {rows} data rows after --skip-rows {columns.skip_rows}: a recording needs two or more"
