@@ -12,6 +12,7 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import read_calibration, write_calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
+from hgma_compensation.cli.paths import RecordingPath
 from hgma_compensation.cli.terminal import check_folder, console, counting_bar, progress_bar, write_json
 from hgma_compensation.diagnosis.diagnose import diagnose
 from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis
@@ -34,7 +35,7 @@ CALIBRATION, FIGURES, REPORT = "calibration.json", "diagnosis.json", "report.htm
 @click.option(
     "--holdout",
     metavar="BAG",
-    type=options.PathArgument(),
+    type=RecordingPath(),
     help="Recording to judge on. Without it: the last of several, or the end of a single one.",
 )
 @options.output("DIR", "Folder for calibration.json, report.html and diagnosis.json; made if it is not there.")

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from hgma_compensation.channels import CHANNELS
-from hgma_compensation.cli import options
+from hgma_compensation.cli import options, paths
 from hgma_compensation.cli.terminal import check_new, counting_bar, write_json
 from hgma_compensation.recording.bag_writer import Storage, write_recording
 from hgma_compensation.recording.csv_table import (
@@ -33,7 +33,7 @@ def _unit(flag: str, units: Any, default: str) -> Any:
 
 
 @click.command("import-csv")
-@click.argument("file", type=options.PathArgument())
+@click.argument("file", type=paths.TablePath())
 @options.output("BAG", "Recording to write.")
 @click.option("--time", required=True, metavar="COL", help="Column of the time.")
 @click.option("--temperature", required=True, metavar="COL", help="Column of the thermistor.")

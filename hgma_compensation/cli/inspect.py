@@ -9,7 +9,7 @@ from hgma_compensation.calibration.calibration import Calibration, ChannelCalibr
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.calibration.encoding import encode
 from hgma_compensation.channels import unit_of
-from hgma_compensation.cli import options
+from hgma_compensation.cli import options, paths
 from hgma_compensation.cli.terminal import console, write_json
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
 from hgma_compensation.effects.applied import AppliedEffect
@@ -19,7 +19,7 @@ from hgma_compensation.temperature.features import NAMES, UNITS, Product
 
 
 @click.command("inspect")
-@click.argument("calibration", metavar="CAL", type=options.PathArgument())
+@click.argument("calibration", metavar="CAL", type=paths.CalibrationPath())
 @options.json_file
 def command(calibration: Path, json_path: Path | None) -> None:
     """Say in words what a calibration holds."""

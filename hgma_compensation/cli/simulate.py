@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from hgma_compensation.cli import options
+from hgma_compensation.cli import options, paths
 from hgma_compensation.cli.terminal import check_new, counting_bar, progress_bar, write_json
 from hgma_compensation.recording.bag_writer import Storage, write_recording
 from hgma_compensation.simulation.oven_test import simulate_with_truth
@@ -12,7 +12,7 @@ from hgma_compensation.simulation.scenario import read_scenario
 
 
 @click.command("simulate")
-@click.argument("scenario", type=options.PathArgument())
+@click.argument("scenario", type=paths.ScenarioPath())
 @options.output("BAG", "Recording to write.")
 @options.storage
 @options.json_file

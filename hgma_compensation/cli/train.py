@@ -10,6 +10,7 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
+from hgma_compensation.cli.paths import ChannelList
 from hgma_compensation.cli.terminal import check_folder, console, counting_bar, progress_bar, write_json
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.recording.streamed import open_recording
@@ -38,6 +39,7 @@ DEFAULTS, SEARCH = TrainingOptions(), GeneticSettings()
 @click.option(
     "--channels",
     metavar="LIST",
+    type=ChannelList(),
     help="Comma-separated, such as linear_acceleration.z. Default: all that the recordings have.",
 )
 @options.reference
