@@ -108,7 +108,7 @@ def test_effects_are_shown_in_words_and_their_inputs_demanded(tmp_path, bag, cap
     assert run("inspect", cal, "--json", tmp_path / "i.json") == 0
     shown = capsys.readouterr().out
     assert "linear_acceleration.z: stress relaxation" in shown
-    assert "time_constant 900 s, spread 3); gains 0.5, 0.25, -0.125 m/s^2/°C" in shown
+    assert "time_constant 900 s, spread 3); gains 0.5000, 0.2500, -0.1250 m/s²/°C" in shown
     assert json.loads((tmp_path / "i.json").read_text())["effects"][0]["gains"] == [0.5, 0.25, -0.125]
     for command, more in (("evaluate", []), ("compensate", ["-o", tmp_path / "out"])):
         refusal = refused(capsys, command, bag, "--calibration", cal, *more)

@@ -6,13 +6,14 @@ afterwards judges it. Nothing heavy is imported, for it also serves the completi
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 
 from hgma_compensation.bounded_files import open_regular
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.topics import INPUTS, TopicNames
 
 MOST_HERE, MOST_BELOW, MOST_FILES = 300, 60, 300
 """Entries that are looked at in the folder, in each folder below it, and files whose beginning is read in all."""
@@ -99,6 +100,17 @@ def look(folder: Path = Path()) -> Here:
     for file in files[:MOST_FILES]:
         _take_file(here, file)
     return here
+
+
+def declared_messages(bags: Iterable[Path], names: TopicNames) -> int | None:
+    """Return how many messages the bags declare on the node's inputs, for a bar; None where one does not tell."""
+    here = Here()
+    bags = tuple(bags)
+    if not all(_take_bag(here, bag) for bag in bags) or len(here.recordings) < len(bags):
+        return None
+    wanted = {names[topic] for topic in INPUTS}
+    total = sum(topic.messages for one in here.recordings for topic in one.topics if topic.name in wanted)
+    return total or None
 
 
 def _entries(folder: Path, most: int) -> list["os.DirEntry[str]"]:

@@ -7,7 +7,8 @@ import click
 
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.cli import options, paths
-from hgma_compensation.cli.terminal import check_new, counting_bar, write_json
+from hgma_compensation.cli.terminal import check_new, counting_bar, progress_bar, write_json
+from hgma_compensation.quantities import count, duration
 from hgma_compensation.recording.bag_writer import Storage, write_recording
 from hgma_compensation.recording.csv_table import (
     ACCELERATION_UNITS,
@@ -32,7 +33,10 @@ def _unit(flag: str, units: Any, default: str) -> Any:
     )
 
 
-@click.command("import-csv")
+@click.command(
+    "import-csv",
+    epilog="Example: hgma import-csv table.csv -o oven_test --time t --temperature T --linear-acceleration-z az",
+)
 @click.argument("file", type=paths.TablePath())
 @options.output("BAG", "Recording to write.")
 @click.option("--time", required=True, metavar="COL", help="Column of the time.")
@@ -73,11 +77,13 @@ def command(file: Path, output: Path, storage: Storage, json_path: Path | None, 
         skip_rows=chosen["skip_rows"],
         frame=chosen["frame_id"],
     )
-    recording = read_table(file, columns)
+    with progress_bar("reading"):
+        recording = read_table(file, columns)
     with counting_bar("writing", 2.0 * len(recording.stamps)) as advance:
         write_recording(recording, output, storage, advance)
     click.echo(
-        f"{output}: {len(recording.stamps)} samples over {recording.duration:.1f} s of {', '.join(recording.present)}"
+        f"{output}: {count(len(recording.stamps))} samples over {duration(recording.duration)} "
+        f"of {', '.join(recording.present)}"
     )
     write_json(
         json_path,

@@ -1,7 +1,6 @@
 """``hgma``: its commands, and the one place where a mistake of the user becomes a line and exit code 2."""
 
 import importlib
-import os
 import sys
 from collections.abc import Sequence
 
@@ -32,7 +31,6 @@ WITHOUT_JSON = {
 """Commands without --json, and why; every other has it (test_cli_commands.py)."""
 
 REFUSED = 2
-BROKEN_PIPE = 141
 INTERRUPTED = 130
 
 
@@ -113,9 +111,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             f"interrupted, {written} was written before" if written else "interrupted, nothing was written", err=True
         )
         return INTERRUPTED
-    except BrokenPipeError:  # hgma inspect CAL | head: the reader has what it wanted
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return BROKEN_PIPE
     except OSError as error:  # of the machine, such as a full disk
         place = f" {error.filename}:" if error.filename else ""
         return _refuse(f"{place.lstrip()} {error.strerror or error}: check the disk and the permissions".strip())
