@@ -24,9 +24,9 @@ Entry = dict[str, Any]
 """A parameter: what is needed to complete it."""
 
 
-def remembered_command(name: str, commands: Collection[str]) -> click.Command:
-    """Return a command that can be completed but does nothing."""
-    return click.Command(name, params=[_parameter(entry) for entry in table(commands)[name]])
+def remembered_command(name: str, commands: Mapping[str, str]) -> click.Command:
+    """Return a command that can be completed but does nothing; commands: what each does, in a few words."""
+    return click.Command(name, short_help=commands[name], params=[_parameter(entry) for entry in table(commands)[name]])
 
 
 def table(commands: Collection[str]) -> Mapping[str, list[Entry]]:
