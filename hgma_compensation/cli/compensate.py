@@ -6,6 +6,7 @@ import click
 
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.cli import options
+from hgma_compensation.cli.recording_topics import declared_messages
 from hgma_compensation.cli.terminal import check_new, progress_bar, write_json
 from hgma_compensation.pipeline.state_rate import DEFAULT_RATE
 from hgma_compensation.quantities import count
@@ -41,7 +42,7 @@ def command(
     """Compensate a recording with the node's pipeline, without ROS."""
     check_new(output)
     model = read_calibration(calibration)
-    with progress_bar("compensating") as (shown, task):
+    with progress_bar("compensating", declared_messages([bag], names)) as (shown, task):
 
         def show(done: int, total: int) -> None:
             shown.update(task, advance=done, total=total)

@@ -8,7 +8,7 @@ from rich.table import Table
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.folder import declared_messages
+from hgma_compensation.cli.recording_topics import declared_messages
 from hgma_compensation.cli.terminal import check_folder, counting_bar, new_table, show_table, write_json
 from hgma_compensation.evaluation.evaluate import MEAN_SECONDS, Evaluation
 from hgma_compensation.evaluation.evaluate_bag import evaluate_bag

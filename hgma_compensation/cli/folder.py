@@ -6,14 +6,13 @@ afterwards judges it. Nothing heavy is imported, for it also serves the completi
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 
 from hgma_compensation.bounded_files import open_regular
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.topics import INPUTS, TopicNames
 
 MOST_HERE, MOST_BELOW, MOST_FILES = 300, 60, 300
 """Entries that are looked at in the folder, in each folder below it, and files whose beginning is read in all."""
@@ -102,15 +101,11 @@ def look(folder: Path = Path()) -> Here:
     return here
 
 
-def declared_messages(bags: Iterable[Path], names: TopicNames) -> int | None:
-    """Return how many messages the bags declare on the node's inputs, for a bar; None where one does not tell."""
+def recording_at(path: Path) -> RecordingHere | None:
+    """Return a folder as the recording that its metadata declare, None where it has none."""
     here = Here()
-    bags = tuple(bags)
-    if not all(_take_bag(here, bag) for bag in bags) or len(here.recordings) < len(bags):
-        return None
-    wanted = {names[topic] for topic in INPUTS}
-    total = sum(topic.messages for one in here.recordings for topic in one.topics if topic.name in wanted)
-    return total or None
+    _take_bag(here, path)
+    return here.recordings[0] if here.recordings else None
 
 
 def _entries(folder: Path, most: int) -> list["os.DirEntry[str]"]:

@@ -1,7 +1,11 @@
 """The topics of a recording in a folder: which are the node's, and whether one can train on them."""
 
+from collections.abc import Iterable
+from pathlib import Path
+
 from hgma_compensation import topics
-from hgma_compensation.cli.folder import RecordingHere
+from hgma_compensation.cli.folder import RecordingHere, recording_at
+from hgma_compensation.errors import RefusedError
 
 IMU, TEMPERATURE, BLOCK = "sensor_msgs/msg/Imu", "sensor_msgs/msg/Temperature", "hgma_msgs/msg/AccelBlock"
 
@@ -38,6 +42,37 @@ def remaps(one: RecordingHere) -> tuple[str, ...]:
         if theirs is not None and theirs != ours:
             words += ["--remap", f"{ours}:={theirs}"]
     return tuple(words)
+
+
+def declared_messages(bags: Iterable[Path], names: topics.TopicNames) -> int | None:
+    """Return how many messages the bags declare on the node's inputs, for a bar; None where one does not tell.
+
+    Raises RefusedError where a bag plainly has an input under another name, with the option that tells it.
+    """
+    total, known = 0, True
+    wanted = {names[topic] for topic in topics.INPUTS}
+    for bag in bags:
+        one = recording_at(bag)
+        if one is None:
+            known = False
+        else:
+            _check_names(one, names)
+            total += sum(topic.messages for topic in one.topics if topic.name in wanted)
+    return total if known and total else None
+
+
+def _check_names(one: RecordingHere, names: topics.TopicNames) -> None:
+    held = {topic.name for topic in one.topics}
+    for ours, theirs in (
+        ((topics.RAW, topics.RAW_BLOCK), _accelerometer(one)),
+        ((topics.TEMPERATURE,), _temperature(one)),
+    ):
+        if theirs is not None and not held & {names[topic] for topic in ours}:
+            alike = topics.in_bag(ours[0]) if len(ours) == 1 else _raw(one)
+            raise RefusedError(
+                f"bag {one.path} holds no {names[ours[0]]}, only {', '.join(sorted(held))}: "
+                f"add --remap {alike}:={theirs}"
+            )
 
 
 def _raw(one: RecordingHere) -> str:

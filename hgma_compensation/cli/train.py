@@ -10,8 +10,8 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.folder import declared_messages
 from hgma_compensation.cli.paths import ChannelList
+from hgma_compensation.cli.recording_topics import declared_messages
 from hgma_compensation.cli.terminal import check_folder, counting_bar, new_table, progress_bar, show_table, write_json
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.quantities import duration, quantity
