@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -144,3 +145,28 @@ def test_a_place_for_figures_that_is_none_is_refused_before_any_work(folder, tmp
 def test_a_refusal_leaves_standard_output_empty(tmp_path, capsys):
     assert run("inspect", tmp_path / "nothing.json", "--json", "-") == 2
     assert capsys.readouterr().out == ""
+
+
+REFERENCE = (Path(__file__).parents[1] / "docs" / "REFERENCE.md").read_text(encoding="utf-8")
+
+
+@EACH
+def test_it_stands_in_the_table_of_commands(command):
+    section = REFERENCE.partition("\n## Commands\n")[2].partition("\n## ")[0]
+    assert re.search(rf"^\| `hgma {command}\b", section, re.MULTILINE)
+
+
+@pytest.mark.parametrize("command", ["simulate", "import-csv", "train", "evaluate", "compensate"])
+def test_its_figures_are_documented(command, folder, tmp_path, capsys):
+    section = REFERENCE.partition("\n### JSON\n")[2].partition("\n### ")[0]
+    (row,) = [row for row in section.splitlines() if re.match(rf"\| ([\w-]+, )*{command}\b", row)]
+    assert run(command, *words(folder, tmp_path / "out", command), "--json", "-") == 0
+    figures = json.loads(capsys.readouterr().out)
+
+    def keys(value):
+        for name, inner in value.items() if isinstance(value, dict) else ():
+            yield from keys(inner)
+            if not name.startswith(("linear_", "angular_")):
+                yield name
+
+    assert set(keys(figures)) == {name.removesuffix(".<name>") for name in re.findall(r"`([\w.<>]+)`", row)}

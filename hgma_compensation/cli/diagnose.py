@@ -14,13 +14,13 @@ from hgma_compensation.cli import options
 from hgma_compensation.cli.output_folder import check_output_folder, scratch_folder
 from hgma_compensation.cli.paths import RecordingPath
 from hgma_compensation.cli.recording_topics import declared_messages
-from hgma_compensation.cli.terminal import counting_bar, new_table, progress_bar, show_table, write_json
+from hgma_compensation.cli.terminal import console, counting_bar, new_table, progress_bar, write_json
 from hgma_compensation.diagnosis.diagnose import diagnose
 from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis
 from hgma_compensation.diagnosis.verdict import Verdict
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
-from hgma_compensation.quantities import UNKNOWN, quantity
+from hgma_compensation.quantities import quantity
 from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.recording.recording import Recording
 from hgma_compensation.topics import TopicNames
@@ -75,7 +75,7 @@ def command(
 
         diagnosis = diagnose(recordings, model, held, seed=seed, progress=show)
     figures = _write(diagnosis, model, output, f"{', '.join(one.name for one in recordings)}, {model.sensor_id}")
-    show_table(_table(diagnosis), "no effect was found")
+    console.print(_table(diagnosis))
     for channel in diagnosis.channels:
         looks = " ".join(figures["channels"][channel.name].get("looks_like", ()))
         click.echo(f"{channel.name}: {sentence(channel)}{'. ' + looks if looks else ''}")
@@ -128,13 +128,12 @@ def _write(diagnosis: Diagnosis, original: Calibration, output: Path, title: str
 def _table(diagnosis: Diagnosis) -> Table:
     errors = ("before", "after", "noise")
     title = f"RMS of means of 5 s on the hold-out {diagnosis.material.holdout}"
-    table = new_table(title, ("channel", "verdict", "effects", *errors), numbers=errors)
+    table = new_table(title, ("channel", "verdict", *errors), numbers=errors)
     for channel in diagnosis.channels:
         unit = unit_of(channel.name)
         table.add_row(
             channel.name,
             channel.verdict.value,
-            _list(channel.effects) or (f"({_list(channel.partial)})" if channel.partial else UNKNOWN),
             *(quantity(error, unit) for error in (channel.error_before, channel.error_after, channel.noise_floor)),
         )
     return table

@@ -74,6 +74,6 @@ def table(evaluation: Evaluation, title: str) -> Table:
         for label, before, after, its_unit in rows:
             name = channel.name if label == "RMS error" else ""
             shown.add_row(name, label, quantity(before, its_unit), quantity(after, its_unit))
-        shown.add_row("", f"noise of a mean of {MEAN_SECONDS:g} s", quantity(channel.noise_floor, unit), "")
+        shown.add_row("", f"noise of {MEAN_SECONDS:g} s", quantity(channel.noise_floor, unit), "")
         shown.add_section()
     return shown

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 import click
+from rich import box
 from rich.console import Console, ConsoleDimensions
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
@@ -80,10 +81,15 @@ def counting_bar(text: str, total: float | None = None) -> Iterator[Advance]:
 
 
 def new_table(title: str, headings: Sequence[str], numbers: Sequence[str] = ()) -> Table:
-    """Return an empty table with these headings; columns of numbers stand to the right."""
-    table = Table(title=Text(title), title_justify="left")  # a name may hold brackets, markup in a plain string
-    for heading in headings:
-        table.add_column(heading, justify="right" if heading in numbers else "left", no_wrap=heading in numbers)
+    """Return an empty table with these headings; columns of numbers stand to the right.
+
+    Narrow, so that four columns fit into 80 characters. Numbers and the first column, which names the row, are not cut.
+    """
+    # A name may hold brackets, which are markup in a plain string.
+    table = Table(title=Text(title), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for place, heading in enumerate(headings):
+        whole = place == 0 or heading in numbers
+        table.add_column(heading, justify="right" if heading in numbers else "left", no_wrap=whole, overflow="fold")
     return table
 
 
