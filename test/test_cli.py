@@ -202,3 +202,19 @@ def test_a_full_disk_is_a_line_too(bag, calibration_file, capsys, monkeypatch):
     monkeypatch.setattr("hgma_compensation.cli.evaluate.evaluate_bag", full)
     refusal = refused(capsys, "evaluate", bag, "--calibration", calibration_file)
     assert "somewhere: No space left on device" in refusal
+
+
+def test_a_recording_that_is_given_twice_is_refused(tmp_path, bag, capsys):
+    refusal = refused(capsys, "train", bag, tmp_path / "." / "bag", "-o", tmp_path / "cal2.json")
+    assert "is given twice" in refusal
+    assert not (tmp_path / "cal2.json").exists()
+
+
+@pytest.mark.parametrize("option", ["--json", "--plot"])
+def test_what_is_no_regular_file_is_never_replaced(tmp_path, bag, calibration_file, option, capsys):
+    """Such as /dev/null, which a rename of root would turn into a file."""
+    os.mkfifo(tmp_path / "pipe")
+    refusal = refused(capsys, "evaluate", bag, "--calibration", calibration_file, option, tmp_path / "pipe")
+    assert "a device or a pipe: give the name of a file" in refusal
+    assert (tmp_path / "pipe").is_fifo()
+    assert "for standard output" in refused(capsys, "train", bag, "-o", "-")

@@ -25,6 +25,7 @@ def here(tmp_path, monkeypatch):
 
 
 def printed(capsys):
+    capsys.readouterr()
     assert run() == 0
     return capsys.readouterr().out
 

@@ -126,7 +126,7 @@ def _is_folder(entry: "os.DirEntry[str]") -> bool:
 
 def _take_bag(here: Here, path: Path) -> bool:
     """Add a folder, where it is a recording, and return whether it is."""
-    if (path / METADATA).is_file():
+    if os.path.isfile(path / METADATA):  # False also where the folder may not be looked into
         text = _head(path / METADATA, METADATA_HEAD)
         if "rosbag2_bagfile_information" not in text:
             return False

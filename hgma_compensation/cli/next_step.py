@@ -64,7 +64,7 @@ def _steps(here: Here, scenario: Path | None) -> Iterator[Step]:
         if example is not None:
             output = _free(here, example.stem)
             yield Step(
-                "Try it without a sensor: simulate an oven test",
+                "Simulate an oven test, to try it without a sensor",
                 ("hgma", "simulate", _path(example), "-o", output),
             )
     if not recordings and not here.calibrations and not here.tables:

@@ -36,7 +36,17 @@ def bag_argument(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def bags_argument(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the argument BAG..., one or more."""
-    return click.argument("bags", metavar="BAG...", nargs=-1, required=True, type=RecordingPath())(function)
+    return click.argument("bags", metavar="BAG...", nargs=-1, required=True, type=RecordingPath(), callback=_each_once)(
+        function
+    )
+
+
+def _each_once(_ctx: click.Context, _parameter: click.Parameter, bags: tuple[Path, ...]) -> tuple[Path, ...]:
+    places = [bag.resolve() for bag in bags]
+    for number, place in enumerate(places):
+        if place in places[:number]:
+            raise RefusedError(f"bag {bags[number]} is given twice: give each recording once")
+    return bags
 
 
 def output(metavar: str, text: str) -> Decorator:

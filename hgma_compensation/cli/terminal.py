@@ -16,7 +16,7 @@ from rich.text import Text
 
 from hgma_compensation.cli import outputs
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.files import write_atomically
+from hgma_compensation.files import check_regular, write_atomically
 from hgma_compensation.quantities import UNKNOWN
 
 REDIRECTED_WIDTH = 150
@@ -113,6 +113,9 @@ def check_folder(path: Path) -> None:
         raise RefusedError(f"{path.parent} is no directory: create it first")
     if path.is_dir():
         raise RefusedError(f"{path} is a directory: give the name of a file")
+    if path == STANDARD_OUTPUT:
+        raise RefusedError(f"{path} is no name of a file: only --json takes it, for standard output")
+    check_regular(path)
     outputs.announce(path)
 
 
