@@ -16,7 +16,7 @@ from hgma_compensation.quantities import quantity
 from hgma_compensation.topics import TopicNames
 from hgma_compensation.training.reference import Reference
 
-WHY_UNKNOWN = "the recording is too short for the Allan deviation, or its samples have no common interval"
+WHY_UNKNOWN = "the recording is too short for the Allan deviation"
 
 
 @click.command("evaluate", epilog="Example: hgma evaluate another_oven_test --calibration calibration.json")

@@ -96,9 +96,9 @@ def _with_recordings(here: Here, recordings: Sequence[RecordingHere]) -> Iterato
 
 
 def _with_both(here: Here, recordings: Sequence[RecordingHere]) -> Iterator[Step]:
-    # A recording that may not be trained on judges; a calibration with effects is the better one.
-    newest = next((one for one in here.calibrations if one.path.parent in here.diagnoses), here.calibrations[0])
-    calibration = _path(newest.path)
+    # One trains on the longest, so the next one judges; a calibration that a diagnosis has written is the better one.
+    best = next((one for one in here.calibrations if one.path.parent in here.diagnoses), here.calibrations[0])
+    calibration = _path(best.path)
     judged = recordings[1] if len(recordings) > 1 else recordings[0]
     bag = _path(judged.path)
     yield Step(

@@ -26,7 +26,7 @@ from hgma_compensation.training.train import TrainingOptions, choose_channels, t
 
 DEFAULTS, SEARCH = TrainingOptions(), GeneticSettings()
 FIGURES = ("fitted", "cross-validated", "noise")
-WHY_UNKNOWN = "the method has no cross-validation, or the recordings have too few cycles for it"
+WHY_UNKNOWN = "this method has no cross-validation"
 
 
 @click.command("train", epilog="Example: hgma train oven_test -o calibration.json")
