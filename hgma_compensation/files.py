@@ -8,6 +8,12 @@ from pathlib import Path
 from hgma_compensation.errors import RefusedError
 
 
+def check_regular(path: Path) -> None:
+    """Raise RefusedError where there is a device or a pipe: a file would take its place."""
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise RefusedError(f"{path} is a device or a pipe: give the name of a file")
+
+
 def write_atomically(path: Path, content: bytes) -> None:
     """Write a file so that a reader sees the old one or the new one, also after a power cut.
 
@@ -16,6 +22,7 @@ def write_atomically(path: Path, content: bytes) -> None:
     import tempfile  # takes long to load, and the start of a node writes nothing
 
     path = Path(path)
+    check_regular(path)
     try:
         descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:

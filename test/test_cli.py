@@ -108,7 +108,7 @@ def test_effects_are_shown_in_words_and_their_inputs_demanded(tmp_path, bag, cap
     assert run("inspect", cal, "--json", tmp_path / "i.json") == 0
     shown = capsys.readouterr().out
     assert "linear_acceleration.z: stress relaxation" in shown
-    assert "time_constant 900 s, spread 3); gains 0.5, 0.25, -0.125 m/s^2/°C" in shown
+    assert "time_constant 900 s, spread 3); gains 0.5000, 0.2500, -0.1250 m/s²/°C" in shown
     assert json.loads((tmp_path / "i.json").read_text())["effects"][0]["gains"] == [0.5, 0.25, -0.125]
     for command, more in (("evaluate", []), ("compensate", ["-o", tmp_path / "out"])):
         refusal = refused(capsys, command, bag, "--calibration", cal, *more)
@@ -147,3 +147,74 @@ def test_an_interrupted_training_leaves_the_old_calibration(bag, calibration_fil
     assert "interrupted" in capsys.readouterr().err
     assert calibration_file.read_bytes() == before
     assert sorted(os.listdir(calibration_file.parent)) == ["bag", "cal.json"]
+
+
+def test_a_refusal_names_the_remedy(tmp_path, bag, calibration_file, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "table.csv").write_text("t,T,az\n0,20,9.8\n1,20,9.8\n")
+    (tmp_path / "diagnosis").mkdir()
+    (tmp_path / "diagnosis" / "calibration.json").write_bytes(calibration_file.read_bytes())
+    columns = ["--temperature", "T", "--linear-acceleration-z", "az"]
+    for words, remedies in (
+        (["trian", "x"], ["No such command 'trian'", "did you mean train?"]),
+        (["xyz"], ["there are simulate, import-csv"]),
+        (["evaluate", "bag", "--calibratio", "cal.json"], ["--calibration", "hgma evaluate --help"]),
+        (["evaluate", "bag"], ["add --calibration CAL (Calibration file of hgma train)"]),
+        (["evaluate", "gab", "--calibration", "cal.json"], ["bag gab does not exist", "here is bag"]),
+        (["evaluate", "cal.json", "--calibration", "cal.json"], ["cal.json is no recording", "rosbag2 folder"]),
+        (["train", "table.csv", "-o", "x.json"], ["table.csv is a table", "hgma import-csv table.csv"]),
+        (["train", ".", "-o", "x.json"], ["give a recording in it", "bag"]),
+        (["inspect", "diagnosis"], ["is a folder: give diagnosis/calibration.json"]),
+        (["inspect", "bag"], ["is a folder", "hgma train; here is cal.json"]),
+        (["inspect", "lac.json"], ["lac.json does not exist", "here is cal.json, diagnosis/calibration.json"]),
+        (["simulate", "no.yaml", "-o", "x"], ["no.yaml does not exist", "params/oven_test.yaml"]),
+        (["import-csv", "no.csv", "-o", "x", "--time", "t", *columns], ["no.csv does not exist", "here is table.csv"]),
+        (["import-csv", "table.csv", "-o", "x", "--time", "z", *columns], ["no column 'z'", "t, T, az"]),
+        (["train", "bag", "-o", "x.json", "--method", "r"], ["rbf-ga", "polynomial-rate", "hgma train --help"]),
+    ):
+        refusal = refused(capsys, *words)
+        assert all(remedy in refusal for remedy in remedies), refusal
+    assert not (tmp_path / "x.json").exists()
+    assert not (tmp_path / "x").exists()
+
+
+@pytest.mark.parametrize("command", ["train", "evaluate", "compensate", "diagnose"])
+def test_topics_of_another_name_are_refused_with_the_option_that_tells_them(
+    tmp_path, bag, calibration_file, command, capsys
+):
+    """A bag whose metadata say that its thermistor has another name."""
+    metadata = bag / "metadata.yaml"
+    text = metadata.read_text()
+    metadata.write_text(text.replace("/accel/temperature", "/imu/temp").replace("/accel/raw", "/imu/data_raw"))
+    more = [] if command == "train" else ["--calibration", calibration_file]
+    output = [] if command == "evaluate" else ["-o", tmp_path / "out"]
+    first = refused(capsys, command, bag, *more, *output)
+    assert "only /imu/data_raw, /imu/temp: add --remap /accel/raw:=/imu/data_raw" in first
+    second = refused(capsys, command, bag, *more, *output, "--remap", "/accel/raw:=/imu/data_raw")
+    assert "add --remap /accel/temperature:=/imu/temp" in second
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_full_disk_is_a_line_too(bag, calibration_file, capsys, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device", "somewhere")
+
+    monkeypatch.setattr("hgma_compensation.cli.evaluate.evaluate_bag", full)
+    refusal = refused(capsys, "evaluate", bag, "--calibration", calibration_file)
+    assert "somewhere: No space left on device" in refusal
+
+
+def test_a_recording_that_is_given_twice_is_refused(tmp_path, bag, capsys):
+    refusal = refused(capsys, "train", bag, tmp_path / "." / "bag", "-o", tmp_path / "cal2.json")
+    assert "is given twice" in refusal
+    assert not (tmp_path / "cal2.json").exists()
+
+
+@pytest.mark.parametrize("option", ["--json", "--plot"])
+def test_what_is_no_regular_file_is_never_replaced(tmp_path, bag, calibration_file, option, capsys):
+    """Such as /dev/null, which a rename of root would turn into a file."""
+    os.mkfifo(tmp_path / "pipe")
+    refusal = refused(capsys, "evaluate", bag, "--calibration", calibration_file, option, tmp_path / "pipe")
+    assert "a device or a pipe: give the name of a file" in refusal
+    assert (tmp_path / "pipe").is_fifo()
+    assert "for standard output" in refused(capsys, "train", bag, "-o", "-")

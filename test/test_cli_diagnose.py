@@ -156,3 +156,10 @@ def test_an_interrupted_diagnosis_leaves_nothing(folder, tmp_path, capsys, monke
 def test_a_bag_is_left_as_it_was(folder, done):
     assert read_recording(folder / "first").present == (CHANNEL,)
     assert sorted(path.name for path in (folder / "first").iterdir()) == ["first.mcap", "metadata.yaml"]
+
+
+def test_its_figures_go_to_standard_output_alone(folder, tmp_path, capsys):
+    assert hgma(*words(folder, tmp_path / "out", "first", "second"), "--json", "-") == 0
+    captured = capsys.readouterr()
+    assert json.loads(captured.out) == json.loads((tmp_path / "out" / FIGURES).read_text())
+    assert str(tmp_path / "out" / REPORT) in captured.err

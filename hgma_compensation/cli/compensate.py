@@ -6,14 +6,16 @@ import click
 
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.cli import options
+from hgma_compensation.cli.recording_topics import declared_messages
 from hgma_compensation.cli.terminal import check_new, progress_bar, write_json
 from hgma_compensation.pipeline.state_rate import DEFAULT_RATE
+from hgma_compensation.quantities import count
 from hgma_compensation.recording.bag_writer import Storage
 from hgma_compensation.recording.compensated_copy import write_compensated
 from hgma_compensation.topics import TopicNames
 
 
-@click.command("compensate")
+@click.command("compensate", epilog="Example: hgma compensate oven_test --calibration calibration.json -o compensated")
 @options.bag_argument
 @options.calibration
 @options.output("BAG", "Recording to write: all topics of the first, with the compensated ones added.")
@@ -40,7 +42,7 @@ def command(
     """Compensate a recording with the node's pipeline, without ROS."""
     check_new(output)
     model = read_calibration(calibration)
-    with progress_bar("compensating") as (shown, task):
+    with progress_bar("compensating", declared_messages([bag], names)) as (shown, task):
 
         def show(done: int, total: int) -> None:
             shown.update(task, advance=done, total=total)
@@ -56,7 +58,7 @@ def command(
         "outside_calibrated_range": copied.outside_range,
     }
     click.echo(
-        f"{output}: {figures['compensated']} of {figures['samples']} samples compensated with {model.calibration_id}, "
-        f"{figures['outside_calibrated_range']} of them outside the calibrated range"
+        f"{output}: {count(copied.compensated)} of {count(copied.samples)} samples compensated with "
+        f"{model.calibration_id}, {count(copied.outside_range)} of them outside the calibrated range"
     )
     write_json(json_path, figures)

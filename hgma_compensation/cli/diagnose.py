@@ -6,18 +6,21 @@ from typing import Any
 
 import click
 from rich.table import Table
-from rich.text import Text
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import read_calibration, write_calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import check_folder, console, counting_bar, progress_bar, write_json
+from hgma_compensation.cli.output_folder import check_output_folder, scratch_folder
+from hgma_compensation.cli.paths import RecordingPath
+from hgma_compensation.cli.recording_topics import declared_messages
+from hgma_compensation.cli.terminal import console, counting_bar, new_table, progress_bar, write_json
 from hgma_compensation.diagnosis.diagnose import diagnose
 from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis
 from hgma_compensation.diagnosis.verdict import Verdict
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
+from hgma_compensation.quantities import quantity
 from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.recording.recording import Recording
 from hgma_compensation.topics import TopicNames
@@ -28,13 +31,16 @@ STEPS = 6
 CALIBRATION, FIGURES, REPORT = "calibration.json", "diagnosis.json", "report.html"
 
 
-@click.command("diagnose")
+@click.command(
+    "diagnose",
+    epilog="Example: hgma diagnose oven_test --calibration calibration.json --holdout another_oven_test -o diagnosis",
+)
 @options.bags_argument
 @options.calibration
 @click.option(
     "--holdout",
     metavar="BAG",
-    type=options.PathArgument(),
+    type=RecordingPath(),
     help="Recording to judge on. Without it: the last of several, or the end of a single one.",
 )
 @options.output("DIR", "Folder for calibration.json, report.html and diagnosis.json; made if it is not there.")
@@ -56,9 +62,7 @@ def command(
     it, where it predicts data that it was not fitted to, and where it lowers the error on the hold-out. The
     calibration written has the effects that do.
     """
-    _check_output(output)
-    if json_path is not None:
-        check_folder(json_path)
+    check_output_folder(output)
     model = read_calibration(calibration)
     recordings, held = _read(bags, holdout, names)
     with progress_bar("diagnosing", STEPS * len(model.names)) as (bar, task):
@@ -81,7 +85,8 @@ def command(
 
 def sentence(channel: ChannelDiagnosis) -> str:
     """Return the verdict in words."""
-    change = f"error on the hold-out {channel.error_before:.4g} -> {channel.error_after:.4g} {unit_of(channel.name)}"
+    unit = unit_of(channel.name)
+    change = f"error on the hold-out {quantity(channel.error_before, unit)} -> {quantity(channel.error_after, unit)}"
     if channel.effects:
         return f"explained by {_list(channel.effects)}; {change}"
     if channel.partial:
@@ -93,20 +98,12 @@ def _list(effects: tuple[Any, ...]) -> str:
     return ", ".join(effect.name for effect in effects)
 
 
-def _check_output(output: Path) -> None:
-    """Raise RefusedError, before any work is done, where the folder cannot be made."""
-    if output.exists() and not output.is_dir():
-        raise RefusedError(f"{output} is a file: give the name of a folder")
-    if not output.exists() and not output.parent.is_dir():
-        raise RefusedError(f"{output.parent} is no directory: create it first")
-
-
 def _read(bags: tuple[Path, ...], holdout: Path | None, names: TopicNames) -> tuple[list[Recording], Recording | None]:
     paths = [bag.resolve() for bag in (*bags, *([holdout] if holdout else []))]
     for number, path in enumerate(paths):
         if path in paths[:number]:
             raise RefusedError(f"{path.name} is given twice: a hold-out must be a recording that nothing is fitted to")
-    with counting_bar("reading") as advance:
+    with counting_bar("reading", declared_messages(paths, names)) as advance:
         recordings = [read_recording(bag, names, advance) for bag in bags]
         return recordings, read_recording(holdout, names, advance) if holdout else None
 
@@ -121,28 +118,22 @@ def _write(diagnosis: Diagnosis, original: Calibration, output: Path, title: str
         if channel.verdict is Verdict.UNEXPLAINED:
             figures["channels"][channel.name]["looks_like"] = looks_like(channel)
     content = (json.dumps(figures, indent=1, allow_nan=False) + "\n").encode()
-    try:
-        output.mkdir(exist_ok=True)
-    except OSError as error:
-        raise RefusedError(f"{output} cannot be made ({error.strerror}): choose another place") from None
-    write_diagnosis_report(diagnosis, output / REPORT, title=title, original=original)
-    write_calibration(diagnosis.calibration, output / CALIBRATION)
-    write_atomically(output / FIGURES, content)
+    with scratch_folder(output) as folder:
+        write_diagnosis_report(diagnosis, folder / REPORT, title=title, original=original)
+        write_calibration(diagnosis.calibration, folder / CALIBRATION)
+        write_atomically(folder / FIGURES, content)
     return figures
 
 
 def _table(diagnosis: Diagnosis) -> Table:
-    table = Table(title=Text(f"RMS of means of 5 s on the hold-out {diagnosis.material.holdout}"))
-    for heading in ("channel", "unit", "verdict", "effects", "before", "after", "noise"):
-        table.add_column(heading, justify="right" if heading in ("before", "after", "noise") else "left")
+    errors = ("before", "after", "noise")
+    title = f"RMS of means of 5 s on the hold-out {diagnosis.material.holdout}"
+    table = new_table(title, ("channel", "verdict", *errors), numbers=errors)
     for channel in diagnosis.channels:
+        unit = unit_of(channel.name)
         table.add_row(
             channel.name,
-            unit_of(channel.name),
             channel.verdict.value,
-            _list(channel.effects) or (f"({_list(channel.partial)})" if channel.partial else "-"),
-            f"{channel.error_before:.4g}",
-            f"{channel.error_after:.4g}",
-            f"{channel.noise_floor:.4g}",
+            *(quantity(error, unit) for error in (channel.error_before, channel.error_after, channel.noise_floor)),
         )
     return table

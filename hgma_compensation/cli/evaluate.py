@@ -4,19 +4,22 @@ from pathlib import Path
 
 import click
 from rich.table import Table
-from rich.text import Text
 
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import check_folder, console, counting_bar, write_json
-from hgma_compensation.evaluation.evaluate import Evaluation
+from hgma_compensation.cli.recording_topics import declared_messages
+from hgma_compensation.cli.terminal import check_folder, counting_bar, new_table, show_table, write_json
+from hgma_compensation.evaluation.evaluate import MEAN_SECONDS, Evaluation
 from hgma_compensation.evaluation.evaluate_bag import evaluate_bag
+from hgma_compensation.quantities import quantity
 from hgma_compensation.topics import TopicNames
 from hgma_compensation.training.reference import Reference
 
+WHY_UNKNOWN = "the recording is too short for the Allan deviation"
 
-@click.command("evaluate")
+
+@click.command("evaluate", epilog="Example: hgma evaluate another_oven_test --calibration calibration.json")
 @options.bag_argument
 @options.calibration
 @options.reference
@@ -45,9 +48,9 @@ def command(
         check_folder(plot)
     model = read_calibration(calibration)
     reference = Reference.parse(reference_text)
-    with counting_bar("compensating") as advance:
+    with counting_bar("compensating", declared_messages([bag], names)) as advance:
         evaluation = evaluate_bag(bag, model, reference, names=names, span=(start, end), progress=advance)
-    console.print(table(evaluation, f"{bag.name}, reference {reference}"))
+    show_table(table(evaluation, f"{bag.name}, reference {reference}"), WHY_UNKNOWN)
     if plot is not None:
         from hgma_compensation.evaluation.plots import (
             plot_evaluation,
@@ -59,33 +62,18 @@ def command(
 
 def table(evaluation: Evaluation, title: str) -> Table:
     """Return the evaluation for the terminal."""
-    shown = Table(title=Text(title))  # a name may hold brackets, which are markup in a plain string
-    for heading in (
-        "channel",
-        "unit",
-        "",
-        "RMS error",
-        "span",
-        "random walk /√Hz",
-        "bias instability",
-        "noise of 5 s",
-    ):
-        shown.add_column(heading, justify="left" if heading in ("channel", "unit", "") else "right")
+    shown = new_table(title, ("channel", "", "raw", "compensated"), numbers=("raw", "compensated"))
     for channel in evaluation.channels:
-        for label, measures in (("raw", channel.raw), ("compensated", channel.compensated)):
-            first = label == "raw"
-            shown.add_row(
-                channel.name if first else "",
-                unit_of(channel.name) if first else "",
-                label,
-                f"{measures.rms_error:.4g}",
-                f"{measures.span:.4g}",
-                _number(measures.velocity_random_walk),
-                _number(measures.bias_instability),
-                f"{channel.noise_floor:.4g}" if first else "",
-            )
+        unit, raw, compensated = unit_of(channel.name), channel.raw, channel.compensated
+        rows = (
+            ("RMS error", raw.rms_error, compensated.rms_error, unit),
+            ("span", raw.span, compensated.span, unit),
+            ("random walk", raw.velocity_random_walk, compensated.velocity_random_walk, f"{unit}/√Hz"),
+            ("bias instability", raw.bias_instability, compensated.bias_instability, unit),
+        )
+        for label, before, after, its_unit in rows:
+            name = channel.name if label == "RMS error" else ""
+            shown.add_row(name, label, quantity(before, its_unit), quantity(after, its_unit))
+        shown.add_row("", f"noise of {MEAN_SECONDS:g} s", quantity(channel.noise_floor, unit), "")
+        shown.add_section()
     return shown
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4g}"

@@ -7,10 +7,11 @@ import click
 from click.core import ParameterSource
 
 from hgma_compensation.channels import CHANNELS
-from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import check_new, counting_bar, write_json
+from hgma_compensation.cli import options, paths
+from hgma_compensation.cli.terminal import check_new, counting_bar, progress_bar, write_json
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.migration.presets import PRESETS
+from hgma_compensation.quantities import count, duration
 from hgma_compensation.recording.bag_writer import Storage, write_recording
 from hgma_compensation.recording.csv_table import (
     ACCELERATION_UNITS,
@@ -35,13 +36,16 @@ def _unit(flag: str, units: Any, default: str) -> Any:
     )
 
 
+EXAMPLE = "Example: hgma import-csv table.csv -o oven_test --time t --temperature T --linear-acceleration-z az"
+
+
 def _epilog() -> str:
     lines = "\n".join(f"{name}: {preset.made_by}" for name, preset in PRESETS.items())
-    return f"\b\nPresets, and what makes their tables:\n{lines}"
+    return f"{EXAMPLE}\n\n\b\nPresets, and what makes their tables:\n{lines}"
 
 
 @click.command("import-csv", epilog=_epilog())
-@click.argument("file", type=options.PathArgument())
+@click.argument("file", type=paths.TablePath())
 @options.output("BAG", "Recording to write.")
 @click.option(
     "--preset",
@@ -95,11 +99,13 @@ def command(file: Path, output: Path, storage: Storage, json_path: Path | None, 
         only=only,
         frame=chosen["frame_id"],
     )
-    recording = read_table(file, columns)
+    with progress_bar("reading"):
+        recording = read_table(file, columns)
     with counting_bar("writing", 2.0 * len(recording.stamps)) as advance:
         write_recording(recording, output, storage, advance)
     click.echo(
-        f"{output}: {len(recording.stamps)} samples over {recording.duration:.1f} s of {', '.join(recording.present)}"
+        f"{output}: {count(len(recording.stamps))} samples over {duration(recording.duration)} "
+        f"of {', '.join(recording.present)}"
     )
     write_json(
         json_path,

@@ -8,11 +8,12 @@ import click
 from hgma_compensation.cli import options
 from hgma_compensation.cli.terminal import counting_bar, write_json
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.quantities import count
 from hgma_compensation.recording.bag_reader import open_bag
 from hgma_compensation.topics import TopicNames
 
 
-@click.command("play")
+@click.command("play", epilog="Example: hgma play oven_test --rate 10 --clock")
 @options.bag_argument
 @click.option(
     "--rate",
@@ -50,13 +51,20 @@ def command(
     # Python's handlers interrupt the sleep between two messages; rclpy's race with its own shutdown.
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("hgma_player")
+    played, interrupted = 0, False
     try:
         with counting_bar("playing", None if loop else total) as advance:
-            count = Player(node, bag, PlayOptions(rate, loop, clock, wait, names), advance).play()
+
+            def tell(messages: int) -> None:
+                nonlocal played
+                played += messages
+                advance(messages)
+
+            played = Player(node, bag, PlayOptions(rate, loop, clock, wait, names), tell).play()
     except KeyboardInterrupt:
-        return
+        interrupted = True
     finally:
         node.destroy_node()
         rclpy.try_shutdown()
-    click.echo(f"{bag}: {count} messages played")
-    write_json(json_path, {"messages": count})
+    click.echo(f"{bag}: {count(played)} messages played{', interrupted' if interrupted else ''}")
+    write_json(json_path, {"messages": played, "interrupted": interrupted})

@@ -4,15 +4,16 @@ from pathlib import Path
 
 import click
 
-from hgma_compensation.cli import options
+from hgma_compensation.cli import options, paths
 from hgma_compensation.cli.terminal import check_new, counting_bar, progress_bar, write_json
+from hgma_compensation.quantities import count, duration
 from hgma_compensation.recording.bag_writer import Storage, write_recording
 from hgma_compensation.simulation.oven_test import simulate_with_truth
 from hgma_compensation.simulation.scenario import read_scenario
 
 
-@click.command("simulate")
-@click.argument("scenario", type=options.PathArgument())
+@click.command("simulate", epilog="Example: hgma simulate params/oven_test.yaml -o oven_test")
+@click.argument("scenario", type=paths.ScenarioPath())
 @options.output("BAG", "Recording to write.")
 @options.storage
 @options.json_file
@@ -29,6 +30,8 @@ def command(scenario: Path, output: Path, storage: Storage, json_path: Path | No
     with counting_bar("writing", messages) as advance:
         write_recording(recording, output, storage, advance, truth, described.block)
     click.echo(
-        f"{output}: {len(recording.stamps)} samples over {recording.duration:.0f} s of {', '.join(recording.present)}"
+        f"{output}: {count(len(recording.stamps))} samples over {duration(recording.duration)} "
+        f"of {', '.join(recording.present)}"
     )
-    write_json(json_path, {"samples": len(recording.stamps), "duration": recording.duration})
+    figures = {"samples": len(recording.stamps), "duration": recording.duration, "channels": list(recording.present)}
+    write_json(json_path, figures)

@@ -10,8 +10,11 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import check_folder, console, counting_bar, progress_bar, write_json
+from hgma_compensation.cli.paths import ChannelList
+from hgma_compensation.cli.recording_topics import declared_messages
+from hgma_compensation.cli.terminal import check_folder, counting_bar, new_table, progress_bar, show_table, write_json
 from hgma_compensation.kalman.settings import FilterMode
+from hgma_compensation.quantities import duration, quantity
 from hgma_compensation.recording.streamed import open_recording
 from hgma_compensation.temperature.features import Product
 from hgma_compensation.topics import TopicNames
@@ -22,9 +25,11 @@ from hgma_compensation.training.reference import Reference
 from hgma_compensation.training.train import TrainingOptions, choose_channels, train
 
 DEFAULTS, SEARCH = TrainingOptions(), GeneticSettings()
+FIGURES = ("fitted", "cross-validated", "noise")
+WHY_UNKNOWN = "this method has no cross-validation"
 
 
-@click.command("train")
+@click.command("train", epilog="Example: hgma train oven_test -o calibration.json")
 @options.bags_argument
 @options.output("CAL", "Calibration file to write.")
 @click.option(
@@ -38,6 +43,7 @@ DEFAULTS, SEARCH = TrainingOptions(), GeneticSettings()
 @click.option(
     "--channels",
     metavar="LIST",
+    type=ChannelList(),
     help="Comma-separated, such as linear_acceleration.z. Default: all that the recordings have.",
 )
 @options.reference
@@ -116,41 +122,38 @@ def command(bags: tuple[Path, ...], output: Path, names: TopicNames, json_path: 
         filter_time_constant=chosen["filter_time_constant"],
         genetic=GeneticSettings(chosen["centres"], chosen["population"], chosen["generations"]),
     )
-    with counting_bar("reading") as advance:
+    with counting_bar("reading", declared_messages(bags, names)) as advance:
         recordings = [open_recording(bag, names, advance).cut(chosen["start"], chosen["end"]) for bag in bags]
     channels = choose_channels(recordings, settings.channels)
     with progress_bar("training", len(channels) * settings.genetic.generations) as (bar, task):
 
         def show(channel: str, generation: int, best: float) -> None:
             done = channels.index(channel) * settings.genetic.generations + generation
-            bar.update(task, completed=done, description=f"{channel}: best {best:.4g} {unit_of(channel)}")
+            bar.update(task, completed=done, description=f"{channel}: best {quantity(best, unit_of(channel))}")
 
         calibration = train(recordings, settings, show)
     write_calibration(calibration, output)
-    console.print(_table(calibration))
+    show_table(_table(calibration), WHY_UNKNOWN)
     click.echo(f"{output}: calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
     write_json(json_path, _figures(calibration))
 
 
 def _table(calibration: Calibration) -> Table:
-    table = Table(title=f"RMS over means of {calibration.training['block']:g} s ({calibration.training['folds']})")
-    for heading in ("channel", "unit", "fitted", "cross-validated", "noise"):
-        table.add_column(heading, justify="left" if heading in ("channel", "unit") else "right")
+    title = f"RMS over means of {duration(calibration.training['block'])} ({calibration.training['folds']})"
+    table = new_table(title, ("channel", *FIGURES), numbers=FIGURES)
     for channel in calibration.channels:
-        validated = channel.error.cross_validated
-        table.add_row(
-            channel.name,
-            unit_of(channel.name),
-            f"{channel.error.fit:.4g}",
-            "-" if validated is None else f"{validated:.4g}",
-            f"{channel.error.noise:.4g}",
-        )
+        error, unit = channel.error, unit_of(channel.name)
+        figures = (error.fit, error.cross_validated, error.noise)
+        table.add_row(channel.name, *(quantity(figure, unit) for figure in figures))
     return table
 
 
 def _figures(calibration: Calibration) -> dict[str, Any]:
     return {
         "calibration_id": calibration.calibration_id,
+        "sensor_id": calibration.sensor_id,
+        "block": calibration.training["block"],
+        "folds": calibration.training["folds"],
         "channels": {
             channel.name: {
                 "unit": unit_of(channel.name),

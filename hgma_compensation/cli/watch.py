@@ -19,7 +19,7 @@ PERIOD = 1.0
 """s between two looks."""
 
 
-@click.command("watch")
+@click.command("watch", epilog="Example: hgma watch --remap /accel/raw:=/imu/data_raw")
 @click.option(
     "--seconds",
     type=click.FloatRange(min=0.0, min_open=True),
@@ -34,8 +34,6 @@ def command(seconds: float | None, namespace: str, names: TopicNames, json_path:
 
     A table that is drawn anew on a terminal, a line each second elsewhere. For a robot without a screen of its own;
     with one, rqt_plot and Foxglove show the same topics.
-
-    Example: hgma watch --remap /accel/raw:=/imu/data_raw --remap /accel/compensated:=/imu/data
     """
     try:
         import rclpy  # only the commands that talk to ROS need it

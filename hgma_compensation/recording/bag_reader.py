@@ -67,7 +67,9 @@ def decoder(reader: Bag, path: Path, connection: Connection) -> Callable[[bytes]
         try:
             return reader.deserialize(raw, connection.msgtype)
         except Exception as error:  # whatever a parser raises on damaged bytes
-            raise RefusedError(f"bag {path}: a message on {connection.topic} is damaged ({error})") from error
+            raise RefusedError(
+                f"bag {path}: a message on {connection.topic} is damaged ({error}): record it again"
+            ) from error
 
     return decode
 

@@ -48,7 +48,10 @@ def check_covered(recording: Covered, calibration: Calibration) -> None:
     recording.require_temperature()
     missing = [name for name in calibration.names if name not in recording.present]
     if missing:
-        raise RefusedError(f"{recording.name} has no channel {', '.join(missing)}, which the calibration covers")
+        raise RefusedError(
+            f"{recording.name} has no channel {', '.join(missing)}, which the calibration covers: give a recording "
+            "that has it, or train with --channels on what there is"
+        )
     for applied in calibration.effects:
         _check_effect(recording, applied.effect)
 

@@ -37,7 +37,7 @@ def read_columns(
             reader = csv.reader(lines_of(text, path))
             header = next(reader, None)
             if header is None:
-                raise RefusedError(f"{path} is empty")
+                raise RefusedError(f"{path} is empty: give a table with a header line")
             names = [name.strip() for name in header]
             places = [_place(path, names, column) for column in columns.values()]
             numbers = [array("d") for _ in places]
@@ -48,7 +48,9 @@ def read_columns(
                 if len(numbers[0]) > most_rows:
                     raise RefusedError(f"{path} has more than {most_rows} rows: cut it into parts")
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RefusedError(f"{path} cannot be read as a CSV table ({error})") from None
+        raise RefusedError(
+            f"{path} cannot be read as a CSV table ({error}): save it as UTF-8 text with commas"
+        ) from None
     return {name: np.frombuffer(column, dtype=np.float64) for name, column in zip(columns, numbers, strict=True)}
 
 
@@ -57,7 +59,7 @@ def _place(path: Path, names: list[str], column: str) -> int:
         return names.index(column)
     if column.isdecimal() and len(column) < 10 and 1 <= int(column) <= len(names):
         return int(column) - 1
-    raise RefusedError(f"{path} has no column {column!r}: it has {', '.join(names)}")
+    raise RefusedError(f"{path} has no column {column!r}: it has {', '.join(names)}; give one of them")
 
 
 def _append(

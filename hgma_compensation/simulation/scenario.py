@@ -34,10 +34,17 @@ def read_scenario(path: Path) -> Scenario:
     try:
         document = load_plain(read_text(path, LARGEST_FILE))
         check_plain(document)
-        schema_check.check(document, schema_check.load_schema(__package__, "scenario.schema.json"))
+        _check_schema(document)
         return _decode(path, cast(dict[str, Any], document))
     except RefusedError as refusal:
         raise RefusedError(f"scenario {path}: {refusal}") from None
+
+
+def _check_schema(document: Any) -> None:
+    try:
+        schema_check.check(document, schema_check.load_schema(__package__, "scenario.schema.json"))
+    except RefusedError as refusal:
+        raise RefusedError(f"{refusal}; params/oven_test.yaml shows what a scenario holds") from None
 
 
 def _decode(path: Path, document: dict[str, Any]) -> Scenario:

@@ -160,7 +160,10 @@ def choose_channels(recordings: Sequence[Source], wanted: tuple[str, ...] | None
     common = tuple(c for c in CHANNELS if all(c in recording.present for recording in recordings))
     if wanted is None:
         if not common:
-            raise RefusedError("the recordings have no channel in common: every channel is zero or declared absent")
+            raise RefusedError(
+                "the recordings have no channel in common: every channel is zero or declared "
+                "absent, look at the accelerometer's topic"
+            )
         return common
     for channel in wanted:
         for recording in recordings:
