@@ -22,7 +22,7 @@ from hgma_compensation.training.reference import Reference
 OF_RECORDING = {"reference_text": "--reference", "start": "--from", "end": "--until", "names": "--remap"}
 
 
-@click.command("export")
+@click.command("export", epilog="Example: hgma export calibration.json --format px4 -o imu.params")
 @click.argument("calibration", metavar="CAL", type=options.PathArgument())
 @click.option(
     "--format",

@@ -41,7 +41,7 @@ EXAMPLE = "Example: hgma import-csv table.csv -o oven_test --time t --temperatur
 
 def _epilog() -> str:
     lines = "\n".join(f"{name}: {preset.made_by}" for name, preset in PRESETS.items())
-    return f"{EXAMPLE}\n\n\b\nPresets, and what makes their tables:\n{lines}"
+    return f"\b\nPresets, and what makes their tables:\n{lines}\n\n{EXAMPLE}"
 
 
 @click.command("import-csv", epilog=_epilog())

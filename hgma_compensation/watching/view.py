@@ -2,11 +2,13 @@
 
 from typing import Any
 
+from rich import box
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from hgma_compensation.channels import CHANNELS, unit_of
+from hgma_compensation.quantities import quantity
 from hgma_compensation.watching.window import Window
 
 STATUS = ("OK", "SETTLING", "STALE", "MISSING", "OUT_OF_RANGE", "INVALID")
@@ -35,14 +37,13 @@ def figures(window: Window, seconds: float) -> dict[str, Any]:
 
 def lines(seen: dict[str, Any], advice: str) -> RenderableType:
     """Return the figures for a terminal that is drawn anew; advice: what to do where something does not come."""
-    table = Table(title="means over the last second, as published")
+    table = Table(title="means over the last second, as published", box=box.SIMPLE_HEAD)
     table.add_column("channel")
-    table.add_column("unit")
     for heading in ("raw", "drift", "compensated", "deviation of samples", "uncertainty of the drift"):
         table.add_column(heading, justify="right")
     for name, channel in seen["channels"].items():
         fields = (channel[key] for key in ("raw", "drift", "compensated", "deviation", "uncertainty"))
-        table.add_row(name, unit_of(name), *(_number(value) for value in fields))
+        table.add_row(name, *(quantity(value, unit_of(name)) for value in fields))
     below = [Text(line(seen))] + ([Text(advice, style="yellow")] if advice else [])
     return Group(table, *below)
 
@@ -56,7 +57,7 @@ def line(seen: dict[str, Any]) -> str:
         parts.append(f"temperature {seen['temperature_status']}, {place} the calibrated range")
         parts.append(f"calibration {seen['calibration_id'] or 'none'}")
     parts += [
-        f"{name} {_number(channel['raw'])} -> {_number(channel['compensated'])} {unit_of(name)}"
+        f"{name} {quantity(channel['raw'], unit_of(name))} -> {quantity(channel['compensated'], unit_of(name))}"
         for name, channel in seen["channels"].items()
     ]
     if seen["level"] not in (None, "OK"):
@@ -91,7 +92,3 @@ def _channel(window: Window, name: str) -> dict[str, float | None]:
 def _named(names: tuple[str, ...], number: int | bytes) -> str:
     place = number[0] if isinstance(number, bytes) else int(number)
     return names[place] if place < len(names) else str(place)
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.5g}"
