@@ -9,7 +9,7 @@ from rich.text import Text
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.reports import report_option
+from hgma_compensation.cli.report_option import report_option
 from hgma_compensation.cli.terminal import check_folder, console, counting_bar, write_json
 from hgma_compensation.evaluation.evaluate import Evaluation
 from hgma_compensation.evaluation.evaluate_bag import evaluate_bag

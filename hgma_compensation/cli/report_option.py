@@ -1,4 +1,4 @@
-"""The option ``--report`` of commands that can write a page, and the checks before any work is done."""
+"""The option ``--report`` of commands that can write a page, checked before any work is done."""
 
 from collections.abc import Callable
 from pathlib import Path
