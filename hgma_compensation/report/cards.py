@@ -7,9 +7,9 @@ from hgma_compensation.report.pictures.canvas import Chart
 from hgma_compensation.report.words import SPACE, number, quantity, unit
 
 
-def charts(drawn: Sequence[Chart]) -> Html:
-    """Return charts side by side where there is room."""
-    return element("div", *(chart.html() for chart in drawn), class_="charts")
+def charts(drawn: Sequence[Chart], level: int = 4) -> Html:
+    """Return charts side by side where there is room; level: of their headings."""
+    return element("div", *(chart.html(level) for chart in drawn), class_="charts")
 
 
 def tile(name: str, value: float, channel: str, colour: str, *, largest: float, beside: str = "") -> Html:

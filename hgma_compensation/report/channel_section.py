@@ -69,7 +69,7 @@ def _evidence(channel: ChannelDiagnosis) -> list[Html]:
     )
     if not channel.judgement.helped:
         text += " These effects did not hold on the hold-out, and are not in the calibration."
-    parts = [inner(element("h4", title), charts(drawn)) for title, drawn in found]
+    parts = [inner(element("h4", title), charts(drawn, level=5)) for title, drawn in found]
     return [section("Evidence", element("p", text, class_="quiet"), *parts)]
 
 

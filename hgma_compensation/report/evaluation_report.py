@@ -62,7 +62,7 @@ def write_evaluation_report(
 def evaluation_page(evaluation: Evaluation, summary: RunSummary, calibration: Calibration, about: Evaluated) -> str:
     """Return the report as HTML."""
     count = len(evaluation.channels)
-    first = [section("All channels", overview(evaluation))] if count > 1 else []
+    first = [section("All channels", overview(evaluation), level=2)] if count > 1 else []
     most = min(MOST, POINTS // (SERIES * count))
     channels = [_channel(evaluation, index, summary, calibration, about, most) for index in range(count)]
     return page(
@@ -154,7 +154,10 @@ def _judged(evaluation: Evaluation, summary: RunSummary, calibration: Calibratio
             element("p", element("strong", known.said) if known.certain else known.said),
             recording(evaluation, summary, about.name, about.reference),
             bullets(sentences.coverage(summary)),
+            level=2,
         ),
-        section("How it was judged", element("p", HOW), element("p", f"Made by hgma_compensation {__version__}.")),
+        section(
+            "How it was judged", element("p", HOW), element("p", f"Made by hgma_compensation {__version__}."), level=2
+        ),
         class_="channel",
     )

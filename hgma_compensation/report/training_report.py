@@ -40,7 +40,7 @@ def write_training_report(result: TrainingResult, bags: Sequence[Path], file: Pa
 def training_page(result: TrainingResult, bags: Sequence[Path], file: Path) -> str:
     """Return the report as HTML."""
     count = len(result.channels)
-    first = [section("All channels", tables.overview(result))] if count > 1 else []
+    first = [section("All channels", tables.overview(result), level=2)] if count > 1 else []
     most = min(MOST, POINTS // (SERIES * count))
     channels = [_channel(result, index, most) for index in range(count)]
     calibration = result.calibration
@@ -110,11 +110,12 @@ def _material(result: TrainingResult) -> Html:
         "article",
         section(
             "What the recordings cover",
-            charts([coverage_chart(result.blocks.features, result.calibration.calibrated_range)]),
+            charts([coverage_chart(result.blocks.features, result.calibration.calibrated_range)], level=3),
             tables.covered(result),
             bullets(sentences.gaps(result)),
+            level=2,
         ),
-        section("The recordings", tables.recordings(result)),
+        section("The recordings", tables.recordings(result), level=2),
         class_="channel",
     )
 
@@ -137,7 +138,7 @@ def _next(result: TrainingResult, bags: Sequence[Path], file: Path) -> Html:
     made = f"Method {training['method']}, seed {training['seed']}. Made by hgma_compensation {__version__}."
     return element(
         "article",
-        section("What to do next", bullets(steps)),
-        section("Limits", element("p", LIMITS), element("p", made, class_="quiet")),
+        section("What to do next", bullets(steps), level=2),
+        section("Limits", element("p", LIMITS), element("p", made, class_="quiet"), level=2),
         class_="channel",
     )

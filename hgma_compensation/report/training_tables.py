@@ -45,7 +45,7 @@ def comparison(channel: TrainedChannel) -> Html:
             ]
         )
     heads = ("method", f"fitted, {unit(channel.name)}", f"left out, {unit(channel.name)}", "left out / noise", "took")
-    return table(heads, rows, numbers=(1, 2, 3, 4))
+    return table(heads, rows, numbers=(1, 2, 3, 4), compact=True)
 
 
 def _took(seconds: float) -> str:
@@ -84,7 +84,7 @@ def covered(result: TrainingResult) -> Html:
                     _range(60.0 * rate[mine], "°C/min"),
                 ]
             )
-    return table(("direction", "for", "temperature", "rate (middle 90 %)"), rows)
+    return table(("direction", "for", "temperature", "rate (middle 90 %)"), rows, compact=True)
 
 
 def _range(values: "np.ndarray[tuple[int, ...], np.dtype[np.float64]]", of: str) -> str:
@@ -98,4 +98,4 @@ def recordings(result: TrainingResult) -> Html:
         [one["name"], instant(one["start"]), duration(one["duration"]), str(one["samples"])]
         for one in result.calibration.training["recordings"]
     ]
-    return table(("recording", "begins", "lasts", "samples"), rows, numbers=(2, 3))
+    return table(("recording", "begins", "lasts", "samples"), rows, numbers=(2, 3), compact=True)

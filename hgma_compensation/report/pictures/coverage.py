@@ -12,7 +12,7 @@ from hgma_compensation.report.pictures.ramps import DIRECTIONS, direction, name_
 def coverage_chart(features: Array, box: CalibratedRange) -> Chart:
     """Return the means (n, 3) that were fitted, in temperature and rate, and the range that counts as calibrated."""
     chart = Chart(
-        "What the recordings cover",
+        "Temperature and rate",
         "Dashed: the calibrated range. Inside of it, where there are no dots, the model interpolates; outside of it "
         "the drift is held at the edge.",
         height=3.2,

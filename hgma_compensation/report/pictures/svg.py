@@ -17,7 +17,7 @@ COLOURS = {
 }
 """Stand-ins that are replaced by the variables of the page's style, which differ in light and dark."""
 
-FONT_SIZE = 9.0
+FONT_SIZE = 10.0
 _SETTINGS: Any = {"svg.fonttype": "none", "svg.hashsalt": "hgma", "font.size": FONT_SIZE}
 _METADATA: dict[str, None] = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 _EDITS = (

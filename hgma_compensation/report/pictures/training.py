@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 METHODS = {
     Method.POLYNOMIAL: ("before", "cubic in temperature"),
-    Method.POLYNOMIAL_RATE: ("heat", "cubic with rate terms"),
+    Method.POLYNOMIAL_RATE: ("cool", "cubic with rate terms"),
     Method.RBF: ("rival", "network by gradient descent"),
     Method.RBF_GA: ("after", "network by genetic search"),
 }
@@ -121,7 +121,7 @@ def search_chart(channel: TrainedChannel, generations: int) -> list[Chart]:
     axes = chart.axes[0]
     at = np.arange(1, len(errors) + 1, dtype=np.float64)
     for colour, name, rows in (
-        ("cool", "straight in the rate", slice(0, generations)),
+        ("before", "straight in the rate", slice(0, generations)),
         ("after", "may bend in the rate", slice(generations - 1, None)),
     ):
         if len(at[rows]) > 1:
