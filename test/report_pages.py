@@ -31,7 +31,7 @@ DAY = 86_400_000_000_000
 @cache
 def trained():
     """Return recordings, the calibration trained on them and what the search reported."""
-    recordings = [make_recording(seed=2, duration_s=600.0, cycles=2.0, channels=CHANNELS, name=NASTY)]
+    recordings = [make_recording(2, 2400.0, 4.0, 1.0, cycles=2.0, channels=CHANNELS, noise=0.02, name=NASTY)]
     search = SearchRecord()
     return recordings, train(recordings, QUICK, search.add), search
 
@@ -54,10 +54,10 @@ def evaluated(recording, calibration, reference="mean"):
     return evaluation, record.summary()
 
 
-def another_day(**changes):
+@cache
+def another_day():
     """Return a recording of the sensor on the day after the training, hotter than it."""
-    settings = {"seed": 3, "duration_s": 500.0, "cycles": 2.5, "channels": CHANNELS, "high": 68.0, **changes}
-    recording = make_recording(**settings)
+    recording = make_recording(3, 2100.0, 4.0, 1.0, cycles=1.5, channels=CHANNELS, noise=0.02, high=68.0)
     series = recording.temperature
     return type(recording)(
         **{

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import subprocess
 from itertools import pairwise
 from pathlib import Path
 
@@ -26,6 +27,7 @@ ARGUMENTS = (
     "--headless=new",
     "--no-sandbox",
     "--disable-gpu",
+    "--disable-dev-shm-usage",
     "--no-first-run",
     "--disable-background-networking",
     "--disable-component-update",
@@ -39,6 +41,9 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
+    for program in (CHROMIUM, DRIVER):  # where they are snaps, there may be a stub that cannot run
+        if subprocess.run([program, "--version"], capture_output=True, timeout=60).returncode:
+            pytest.skip(f"{program} does not run here")
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 

@@ -19,10 +19,13 @@ from hgma_compensation.report.pictures.decimate import MOST
 from hgma_compensation.report.pictures.errors import error_charts
 from hgma_compensation.report.run_record import RunSummary
 from hgma_compensation.report.trained_on import trained_on
-from hgma_compensation.report.words import number
+from hgma_compensation.report.words import SPACE, number
 
 POINTS = 24_000
 """Of all series on the page together, which bounds its size to about 1 MB."""
+
+MUCH = 0.1
+"""Share of samples outside of the calibrated range from which on that is the first thing to mend."""
 
 SERIES = 8
 """Of each channel."""
@@ -116,7 +119,7 @@ def _channel(
 def _verdict(channel: ChannelEvaluation, summary: RunSummary, about: Evaluated) -> Html:
     largest = max(channel.raw.rms_error, channel.compensated.rms_error, channel.noise_floor)
     times = sentences.times_noise(channel)
-    beside = f"{number(times)} × the noise" if times is not None else ""
+    beside = f"{number(times)}{SPACE}× the noise" if times is not None else ""
     tiles = [
         tile("raw error", channel.raw.rms_error, channel.name, "before", largest=largest),
         tile("compensated", channel.compensated.rms_error, channel.name, "after", largest=largest, beside=beside),
@@ -125,14 +128,14 @@ def _verdict(channel: ChannelEvaluation, summary: RunSummary, about: Evaluated) 
     return verdict(
         sentences.kind(channel),
         sentences.headline(channel),
-        paragraphs([*sentences.remarks(channel), *(sentences.coverage(summary) if summary.outside else [])]),
-        element("p", *_next(channel, about)),
+        paragraphs([*sentences.remarks(channel), *sentences.outside(summary)]),
+        element("p", *_next(channel, summary, about)),
         element("ul", *tiles, class_="tiles"),
         element("p", "RMS of means over 5 s.", class_="quiet"),
     )
 
 
-def _next(channel: ChannelEvaluation, about: Evaluated) -> list[str]:
+def _next(channel: ChannelEvaluation, summary: RunSummary, about: Evaluated) -> list[str]:
     kind, file = sentences.kind(channel), quote(str(about.calibration_file))
     if kind == "good":
         return ["Next, run it: ", command(f"hgma node --ros-args -p calibration_file:={file}")]
@@ -140,6 +143,11 @@ def _next(channel: ChannelEvaluation, about: Evaluated) -> list[str]:
         return [
             "Next, check that it is the calibration of this sensor and that the units and topics are right: ",
             command(f"hgma inspect {file}"),
+        ]
+    if summary.outside > MUCH * summary.samples:
+        return [
+            "Next, train over the temperatures and rates that this recording has: ",
+            command(f"hgma train ANOTHER_BAG {quote(str(about.bag))} -o wider.json"),
         ]
     said = "Next, let the effect that the model lacks be named and added (with more recordings of the sensor, if any): "
     return [said, command(f"hgma diagnose {quote(str(about.bag))} --calibration {file} -o diagnosis")]

@@ -20,7 +20,6 @@ STATUSES = {
     TemperatureStatus.SETTLING: "settling after a power-on",
     TemperatureStatus.STALE: "with a silent thermistor",
     TemperatureStatus.MISSING: "before the first thermistor sample",
-    TemperatureStatus.OUT_OF_RANGE: "with a temperature outside of the calibrated range",
     TemperatureStatus.INVALID: "with an unusable thermistor",
 }
 
@@ -64,7 +63,7 @@ def headline(channel: ChannelEvaluation) -> str:
     smaller = f", {number(raw / left)} times smaller" if left > 0.0 and raw > left else ""
     if times is None:
         return f"{fell}{smaller}."
-    what = "no more than" if times <= 1.0 else f"{number(times, 2)} ×"
+    what = "no more than" if times <= 1.0 else f"{number(times, 2)}{SPACE}×"
     return f"{fell}{smaller}. What remains is {what} the noise of the means."
 
 
@@ -98,16 +97,21 @@ def remarks(channel: ChannelEvaluation) -> list[str]:
     return said
 
 
+def outside(summary: RunSummary) -> list[str]:
+    """Return the share of samples outside of the calibrated range, where there are any."""
+    if not summary.outside:
+        return []
+    return [
+        f"{share(summary.outside, summary.samples).capitalize()} of the samples lie outside of the calibrated range of "
+        "temperature, rate and product, where the drift is held at its edge."
+    ]
+
+
 def coverage(summary: RunSummary) -> list[str]:
     """Return the shares of samples whose temperature the calibration does not know or cannot use."""
-    said = []
-    if summary.outside:
-        said.append(
-            f"{share(summary.outside, summary.samples)} of the samples lie outside of the calibrated range of "
-            "temperature, rate and product, where the drift is held at its edge: calibrate over a wider range."
-        )
+    said = outside(summary)
     said += [
-        f"{share(count, summary.samples)} of the samples are {STATUSES[status]}."
+        f"{share(count, summary.samples).capitalize()} of the samples are {STATUSES[status]}."
         for status, count in summary.statuses.items()
         if status in STATUSES
     ]

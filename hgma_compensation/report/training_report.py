@@ -15,7 +15,7 @@ from hgma_compensation.report.pictures.coverage import coverage_chart
 from hgma_compensation.report.pictures.decimate import MOST
 from hgma_compensation.report.pictures.training import comparison_chart, learned_charts, search_chart
 from hgma_compensation.report.training_result import TrainedChannel, TrainingResult
-from hgma_compensation.report.words import number
+from hgma_compensation.report.words import SPACE, number
 
 POINTS = 20_000
 """Of all series on the page together, which bounds its size to about 1 MB."""
@@ -81,7 +81,7 @@ def _verdict(result: TrainingResult, channel: TrainedChannel) -> Html:
 
     def beside(error: float) -> str:
         times = sentences.times_noise(channel, error)
-        return "" if times is None else f"{number(times)} × the noise"
+        return "" if times is None else f"{number(times)}{SPACE}× the noise"
 
     tiles = [
         tile("fitted", chosen.fit, channel.name, "before", largest=largest, beside=beside(chosen.fit)),

@@ -108,7 +108,7 @@ def _channel(
         if advance is not None:
             advance(channel.name, result.method)
     timed = [
-        replace(result, seconds=search.seconds(channel.name)) if result.method is Method.RBF_GA else result
+        replace(result, seconds=search.seconds(channel.name)) if result.seconds is None else result
         for result in results
     ]
     return TrainedChannel(channel, blocks.features, target, tuple(timed), method, search.errors(channel.name))

@@ -3,11 +3,13 @@
 import numpy as np
 
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
+from hgma_compensation.report.cards import command
+from hgma_compensation.report.markup import inner
 from hgma_compensation.report.pictures.ramps import direction, still_rate
 from hgma_compensation.report.pictures.training import METHODS
 from hgma_compensation.report.sentences import NOTABLY_ABOVE
 from hgma_compensation.report.training_result import TrainedChannel, TrainingResult
-from hgma_compensation.report.words import SPACE, number, quantity
+from hgma_compensation.report.words import SPACE, counted, number, quantity
 from hgma_compensation.training.methods import GAIN, STRAIGHT, Method
 
 BETTER = 0.9
@@ -43,7 +45,7 @@ def headline(channel: TrainedChannel, folds: str) -> str:
     """Return the main thing; folds: what a fold is."""
     error = channel.chosen.cross_validated
     times = times_noise(channel, error)
-    beside = "" if times is None else f", {number(times, 2)} × the noise of the means"
+    beside = "" if times is None else f", {number(times, 2)}{SPACE}× the noise of the means"
     return (
         f"On {folds} that it has not seen, the {_name(channel.method)} leaves {quantity(error, channel.name)}{beside}."
     )
@@ -53,17 +55,15 @@ def why(channel: TrainedChannel) -> list[str]:
     """Return what was chosen and why, and what this does not show."""
     said = [_beside_the_cubic(channel)]
     if channel.method is Method.RBF_GA:
-        said.append(_shape(channel))
+        said += [_shape(channel), _end(channel)]
         said.append(
             "The search chose by this very error, which is therefore a little too small: judge on a recording that was "
             "not trained on."
         )
     best = channel.best
     if best.cross_validated < BETTER * channel.chosen.cross_validated:
-        said.append(
-            f"On the same folds the {_name(best.method)} leaves less, {quantity(best.cross_validated, channel.name)}: "
-            f"train with --method {best.method.value}."
-        )
+        less = f"On the same folds the {_name(best.method)} leaves less, {quantity(best.cross_validated, channel.name)}"
+        said.append(inner(f"{less}: train with ", command(f"--method {best.method.value}"), "."))
     return [one for one in said if one]
 
 
@@ -97,6 +97,13 @@ def _shape(channel: TrainedChannel) -> str:
     return (
         f"The network ({size}) bends in the rate too, which lowers the error on left-out folds by more than {margin}."
     )
+
+
+def _end(channel: TrainedChannel) -> str:
+    if not len(channel.search) or channel.search[-1] > channel.calibration.error.noise:
+        return ""
+    after = counted(len(channel.search), "generation")
+    return f"The search ended after {after}, as the error had come down to the noise of the means."
 
 
 def gaps(result: TrainingResult) -> list[str]:

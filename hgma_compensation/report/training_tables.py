@@ -38,13 +38,14 @@ def comparison(channel: TrainedChannel) -> Html:
         rows.append(
             [
                 element("strong", f"{name} (chosen)") if result is channel.chosen else name,
-                number(result.fit),
                 number(result.cross_validated),
                 "–" if times is None else f"{number(times)} ×",
+                number(result.fit),
                 "–" if result.seconds is None else _took(result.seconds),
             ]
         )
-    heads = ("method", f"fitted, {unit(channel.name)}", f"left out, {unit(channel.name)}", "left out / noise", "took")
+    of = unit(channel.name)
+    heads = ("method", f"left out, {of}", "left out / noise", f"fitted, {of}", "took")
     return table(heads, rows, numbers=(1, 2, 3, 4), compact=True)
 
 
