@@ -92,6 +92,17 @@ def test_the_search_is_heard_as_it_went():
     assert train(recordings, QUICK).calibration_id == calibration.calibration_id
 
 
+def test_methods_that_were_not_asked_for_are_those_that_training_would_give():
+    recordings, calibration, _ = trained()
+    plain = train(recordings, replace(QUICK, method=Method.POLYNOMIAL))
+    result = training_result(recordings, plain, QUICK.genetic, SearchRecord())
+    for channel, asked in zip(result.channels, calibration.channels, strict=True):
+        searched = channel.results[-1]
+        assert searched.method is Method.RBF_GA
+        assert searched.drift.weights.tobytes() == asked.drift.weights.tobytes()
+        assert channel.search[-1] == pytest.approx(searched.cross_validated, rel=1e-6)
+
+
 def test_another_method_that_is_better_is_said():
     recordings, _, _ = trained()
     calibration = train(recordings, replace(QUICK, method=Method.RBF, channels=("linear_acceleration.z",)))

@@ -23,6 +23,12 @@ POINTS = 20_000
 SERIES = 4
 """Of each channel."""
 
+COMPARED = (
+    "All methods were fitted to the same means, and again without each fold. Of the genetic search only the weights are "
+    "fitted again: its Gaussians were chosen with sight of the errors on all folds. Where a fold leaves the range that "
+    "the others have seen, nothing is held at the edge, as it would be by the node."
+)
+
 LIMITS = (
     "Nothing is known of temperatures and rates outside of those recorded. The calibration knows the sensor as it was "
     "on these days: aging, another mounting or another supply voltage are not in it."
@@ -57,7 +63,6 @@ def _channel(result: TrainingResult, index: int, most: int) -> Html:
     channel = result.channels[index]
     kind = sentences.kind(channel)
     head = element("header", element("h2", channel.name), badge(kind, sentences.BADGES[kind]))
-    compared = "All methods were fitted to the same means; each error is that of a fit that has not seen the fold."
     return element(
         "article",
         head,
@@ -68,7 +73,7 @@ def _channel(result: TrainingResult, index: int, most: int) -> Html:
             charts([comparison_chart(channel, result.folds), *search_chart(channel, result.settings.generations)]),
             tables.comparison(channel),
             details("The same for every fold", tables.folds(result, channel)),
-            element("p", compared, class_="quiet"),
+            element("p", COMPARED, class_="quiet"),
         ),
         class_="channel",
         id=f"channel-{index}",

@@ -14,6 +14,7 @@ from hgma_compensation.training.folds import Folds, cycle_folds
 from hgma_compensation.training.genetic import GeneticSettings
 from hgma_compensation.training.methods import Method
 from hgma_compensation.training.source import Source
+from hgma_compensation.training.train import channel_seed
 
 Advance = Callable[[str, Method], None]
 """Called with the channel and the method that was compared."""
@@ -95,7 +96,8 @@ def _channel(
     advance: Advance | None,
 ) -> TrainedChannel:
     channel = calibration.channels[column]
-    method, seed = Method(calibration.training["method"]), int(calibration.training["seed"])
+    method = Method(calibration.training["method"])
+    seed = channel_seed(int(calibration.training["seed"]), channel.name)
     target = np.asarray(blocks.values[:, column] - channel.reference)
     material = Material(blocks.features, target, folds, channel.error.noise, seed, settings)
     results = []

@@ -17,7 +17,7 @@ from hgma_compensation.report.pictures.svg import COLOURS, FONT_SIZE, svg
 
 Array = NDArray[np.float64]
 
-MOST_POINTS = 3000
+MOST_POINTS = 2000
 
 
 @dataclass
