@@ -24,9 +24,9 @@ SERIES = 4
 """Of each channel."""
 
 COMPARED = (
-    "All methods were fitted to the same means, and again without each fold. Of the genetic search only the weights are "
-    "fitted again: its Gaussians were chosen with sight of the errors on all folds. Where a fold leaves the range that "
-    "the others have seen, nothing is held at the edge, as it would be by the node."
+    "All methods were fitted to the same means, and again without each fold. Of the genetic search only the weights "
+    "are fitted again: its Gaussians were chosen with sight of the errors on all folds. Where a fold leaves the range "
+    "that the others have seen, nothing is held at the edge, as it would be by the node."
 )
 
 LIMITS = (

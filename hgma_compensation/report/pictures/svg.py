@@ -23,6 +23,7 @@ _METADATA: dict[str, None] = dict.fromkeys(("Date", "Creator", "Format", "Type")
 _EDITS = (
     (r"<!--.*?-->\s*", ""),
     (r" id=\"(?!m|p)[^\"]*\"", ""),  # all but those of markers and clips, which depend on what they hold
+    (r"M ([\d.-]+ [\d.-]+) \nL \1 \n", r"M\1h0"),  # a dot, of which there are thousands
     (r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px"),
 )
 
