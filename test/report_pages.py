@@ -11,7 +11,8 @@ from hgma_compensation.evaluation.evaluate import compare
 from hgma_compensation.evaluation.long_evaluation import Part
 from hgma_compensation.recording.compensated_bag import compensate_recording
 from hgma_compensation.report.diagnosis_report import diagnosis_page
-from hgma_compensation.report.evaluation_report import Evaluated, evaluation_page
+from hgma_compensation.report.evaluation_next import Evaluated
+from hgma_compensation.report.evaluation_report import evaluation_page
 from hgma_compensation.report.run_record import RunRecord
 from hgma_compensation.report.search_record import SearchRecord
 from hgma_compensation.report.training_report import training_page

@@ -1,6 +1,7 @@
 import json
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,11 +17,13 @@ from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.recording.bag_writer import write_recording
 from hgma_compensation.recording.compensated_bag import compensate_recording
 from hgma_compensation.report import evaluation_sentences as sentences
-from hgma_compensation.report.evaluation_report import Evaluated, evaluation_page
+from hgma_compensation.report.evaluation_next import Evaluated, next_step
+from hgma_compensation.report.evaluation_report import evaluation_page
+from hgma_compensation.report.markup import element
 from hgma_compensation.report.pictures.decimate import MOST, extremes
 from hgma_compensation.report.pictures.errors import rates
 from hgma_compensation.report.run_record import AT_ONCE, RunRecord
-from hgma_compensation.report.trained_on import trained_on
+from hgma_compensation.report.trained_on import TrainedOn, trained_on
 
 
 @pytest.fixture(scope="module")
@@ -134,6 +137,22 @@ def test_verdicts_tell_noise_from_drift_from_harm(evaluation):
     assert "2.0\u00a0× the noise" in sentences.headline(judged(2.0))
     assert "makes the error larger" in sentences.headline(judged(6.0))
     assert sentences.headline(judged(2.0, floor=0.0)).endswith("2.50 times smaller.")
+
+
+def test_what_to_do_next_follows_from_what_was_found(evaluation):
+    (channel, *_), summary = evaluation[0].channels, evaluation[1]
+    about, seen, unseen = Evaluated(Path("a bag"), Path("cal.json"), "mean"), TrainedOn(True, ""), TrainedOn(False, "")
+
+    def told(error, known=unseen, outside=0):
+        measures = replace(channel.compensated, rms_error=error)
+        judged = replace(channel, compensated=measures, raw=replace(channel.raw, rms_error=5.0), noise_floor=1.0)
+        return words(element("p", *next_step(judged, replace(summary, outside=outside), about, known)))
+
+    assert "hgma node --ros-args -p calibration_file:=cal.json" in told(1.0)
+    assert "hgma evaluate ANOTHER_BAG" in told(1.0, seen)
+    assert "hgma diagnose 'a bag' --calibration cal.json -o diagnosis" in told(3.0, seen)
+    assert "hgma train ANOTHER_BAG 'a bag'" in told(3.0, outside=summary.samples)
+    assert "hgma inspect cal.json" in told(6.0)
 
 
 def test_an_offset_is_called_one(evaluation):

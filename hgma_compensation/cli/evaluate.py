@@ -63,7 +63,8 @@ def command(
 
         plot_evaluation(evaluation, plot, bag.name)
     if report is not None and record is not None:
-        from hgma_compensation.report.evaluation_report import Evaluated, write_evaluation_report
+        from hgma_compensation.report.evaluation_next import Evaluated
+        from hgma_compensation.report.evaluation_report import write_evaluation_report
 
         about = Evaluated(bag, calibration, str(reference))
         write_evaluation_report(evaluation, record.summary(), model, about, report)

@@ -2,9 +2,12 @@
 
 from collections.abc import Sequence
 
-from hgma_compensation.report.markup import Html, element
+from hgma_compensation.report.markup import Html, element, inner
 from hgma_compensation.report.pictures.canvas import Chart
 from hgma_compensation.report.words import SPACE, number, quantity, unit
+
+LONGEST_WORD = 24
+"""Characters of a command's word that fit into a line of a phone; longer ones, paths, may be broken anywhere."""
 
 
 def charts(drawn: Sequence[Chart], level: int = 4) -> Html:
@@ -38,5 +41,6 @@ def badge(kind: str, text: str) -> Html:
 
 
 def command(text: str) -> Html:
-    """Return a command to type."""
-    return element("code", text, class_="command")
+    """Return a command to type; a line never ends inside of an option, which has hyphens."""
+    words = (element("span", word) if len(word) <= LONGEST_WORD else inner(word) for word in text.split(" "))
+    return element("code", Html(" ".join(words)), class_="command")

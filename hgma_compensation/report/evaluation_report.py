@@ -1,8 +1,6 @@
 """The page of ``hgma evaluate --report``."""
 
-from dataclasses import dataclass
 from pathlib import Path
-from shlex import quote
 
 from hgma_compensation import __version__
 from hgma_compensation.calibration.calibration import Calibration
@@ -10,7 +8,8 @@ from hgma_compensation.evaluation.evaluate import ChannelEvaluation, Evaluation
 from hgma_compensation.files import write_atomically
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.report import evaluation_sentences as sentences
-from hgma_compensation.report.cards import badge, charts, command, tile, verdict
+from hgma_compensation.report.cards import badge, charts, tile, verdict
+from hgma_compensation.report.evaluation_next import Evaluated, next_step
 from hgma_compensation.report.evaluation_tables import figures, overview, recording
 from hgma_compensation.report.markup import Html, bullets, element, inner, paragraphs
 from hgma_compensation.report.page import page, section
@@ -18,14 +17,11 @@ from hgma_compensation.report.pictures.allan import allan_chart
 from hgma_compensation.report.pictures.decimate import MOST
 from hgma_compensation.report.pictures.errors import error_charts
 from hgma_compensation.report.run_record import RunSummary
-from hgma_compensation.report.trained_on import trained_on
+from hgma_compensation.report.trained_on import TrainedOn, trained_on
 from hgma_compensation.report.words import SPACE, number
 
 POINTS = 24_000
 """Of all series on the page together, which bounds its size to about 1 MB."""
-
-MUCH = 0.1
-"""Share of samples outside of the calibrated range from which on that is the first thing to mend."""
 
 SERIES = 8
 """Of each channel."""
@@ -36,20 +32,6 @@ HOW = (
     "the smallest Allan deviation (over 0.664): an upper bound, and of no meaning while the sensor moves. Span is the "
     "largest less the smallest mean."
 )
-
-
-@dataclass(frozen=True)
-class Evaluated:
-    """What was evaluated, in the words of the user."""
-
-    bag: Path
-    calibration_file: Path
-    reference: str
-
-    @property
-    def name(self) -> str:
-        """Name of the recording, also where it was called by "."."""
-        return self.bag.resolve().name
 
 
 def write_evaluation_report(
@@ -66,31 +48,39 @@ def evaluation_page(evaluation: Evaluation, summary: RunSummary, calibration: Ca
     """Return the report as HTML."""
     count = len(evaluation.channels)
     first = [section("All channels", overview(evaluation), level=2)] if count > 1 else []
-    most = min(MOST, POINTS // (SERIES * count))
-    channels = [_channel(evaluation, index, summary, calibration, about, most) for index in range(count)]
+    known = trained_on(calibration, about.name, summary.start, summary.end)
+    channels = [_channel(index, evaluation, summary, calibration, about, known) for index in range(count)]
     return page(
         f"Evaluation of {about.name}",
-        _head(calibration, about),
+        _head(calibration, about, known),
         *first,
         *channels,
-        _judged(evaluation, summary, calibration, about),
+        _judged(evaluation, summary, about, known),
     )
 
 
-def _head(calibration: Calibration, about: Evaluated) -> Html:
+def _head(calibration: Calibration, about: Evaluated, known: TrainedOn) -> Html:
+    warning = element("p", element("strong", known.said)) if known.certain else Html("")
     return element(
         "header",
         element("h1", f"Evaluation of {about.name}"),
         element(
             "p", inner("Sensor ", calibration.sensor_id, ", calibration ", element("code", calibration.calibration_id))
         ),
+        warning,
     )
 
 
 def _channel(
-    evaluation: Evaluation, index: int, summary: RunSummary, calibration: Calibration, about: Evaluated, most: int
+    index: int,
+    evaluation: Evaluation,
+    summary: RunSummary,
+    calibration: Calibration,
+    about: Evaluated,
+    known: TrainedOn,
 ) -> Html:
     channel, curves = evaluation.channels[index], summary.curves[index]
+    most = min(MOST, POINTS // (SERIES * len(evaluation.channels)))
     kind = sentences.kind(channel)
     noise = (
         charts([allan_chart(channel, curves)]) if curves else element("p", "Too few samples for an Allan deviation.")
@@ -107,7 +97,7 @@ def _channel(
     return element(
         "article",
         head,
-        _verdict(channel, summary, about),
+        _verdict(channel, summary, about, known),
         section("Error against time and temperature", charts(error_charts(channel, most))),
         section("Noise", noise, remark),
         section("Figures", figures(channel)),
@@ -116,7 +106,7 @@ def _channel(
     )
 
 
-def _verdict(channel: ChannelEvaluation, summary: RunSummary, about: Evaluated) -> Html:
+def _verdict(channel: ChannelEvaluation, summary: RunSummary, about: Evaluated, known: TrainedOn) -> Html:
     largest = max(channel.raw.rms_error, channel.compensated.rms_error, channel.noise_floor)
     times = sentences.times_noise(channel)
     beside = f"{number(times)}{SPACE}× the noise" if times is not None else ""
@@ -129,37 +119,18 @@ def _verdict(channel: ChannelEvaluation, summary: RunSummary, about: Evaluated) 
         sentences.kind(channel),
         sentences.headline(channel),
         paragraphs([*sentences.remarks(channel), *sentences.outside(summary)]),
-        element("p", *_next(channel, summary, about)),
+        element("p", *next_step(channel, summary, about, known)),
         element("ul", *tiles, class_="tiles"),
         element("p", "RMS of means over 5 s.", class_="quiet"),
     )
 
 
-def _next(channel: ChannelEvaluation, summary: RunSummary, about: Evaluated) -> list[str]:
-    kind, file = sentences.kind(channel), quote(str(about.calibration_file))
-    if kind == "good":
-        return ["Next, run it: ", command(f"hgma node --ros-args -p calibration_file:={file}")]
-    if kind == "bad":
-        return [
-            "Next, check that it is the calibration of this sensor and that the units and topics are right: ",
-            command(f"hgma inspect {file}"),
-        ]
-    if summary.outside > MUCH * summary.samples:
-        return [
-            "Next, train over the temperatures and rates that this recording has: ",
-            command(f"hgma train ANOTHER_BAG {quote(str(about.bag))} -o wider.json"),
-        ]
-    said = "Next, let the effect that the model lacks be named and added (with more recordings of the sensor, if any): "
-    return [said, command(f"hgma diagnose {quote(str(about.bag))} --calibration {file} -o diagnosis")]
-
-
-def _judged(evaluation: Evaluation, summary: RunSummary, calibration: Calibration, about: Evaluated) -> Html:
-    known = trained_on(calibration, about.name, summary.start, summary.end)
+def _judged(evaluation: Evaluation, summary: RunSummary, about: Evaluated, known: TrainedOn) -> Html:
     return element(
         "article",
         section(
             "The recording",
-            element("p", element("strong", known.said) if known.certain else known.said),
+            element("p", known.said),
             recording(evaluation, summary, about.name, about.reference),
             bullets(sentences.coverage(summary)),
             level=2,

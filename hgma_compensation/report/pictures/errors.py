@@ -96,6 +96,7 @@ def _distribution(channel: ChannelEvaluation) -> Chart:
         line(axes, fine, 100.0 * width * density, "soak", "--", 1.4)
         chart.key("soak", "dash", "noise alone")
     axes.set_ylim(bottom=0.0)
+    axes.locator_params(axis="x", nbins=5)  # small errors have long numbers
     label(axes, f"error, {unit(channel.name)}", "share of the means, %")
     return chart
 
