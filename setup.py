@@ -51,6 +51,7 @@ TEST = [
     "pytest-timeout>=2.2,<3",
     "scikit-learn>=1.4,<2",
     "ruff>=0.17,<0.18",  # narrow: the formatter's output may differ from one minor version to the next
+    "selenium>=4.20,<5",  # drives the browser that looks at the reports; without one these tests skip
     "types-PyYAML>=6.0,<7",
 ]
 

@@ -9,10 +9,12 @@ from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
 from hgma_compensation.cli.recording_topics import declared_messages
+from hgma_compensation.cli.report_option import report_option
 from hgma_compensation.cli.terminal import check_folder, counting_bar, new_table, show_table, write_json
 from hgma_compensation.evaluation.evaluate import MEAN_SECONDS, Evaluation
 from hgma_compensation.evaluation.evaluate_bag import evaluate_bag
 from hgma_compensation.quantities import quantity
+from hgma_compensation.report.run_record import RunRecord
 from hgma_compensation.topics import TopicNames
 from hgma_compensation.training.reference import Reference
 
@@ -26,6 +28,7 @@ WHY_UNKNOWN = "the recording is too short for the Allan deviation"
 @click.option(
     "--plot", metavar="PNG", type=options.PathArgument(), help="Also draw error against time and temperature."
 )
+@report_option("Also write a page for people: error, Allan deviation, figures and what to do next.")
 @options.time_range
 @options.remap
 @options.json_file
@@ -34,6 +37,7 @@ def command(
     calibration: Path,
     reference_text: str,
     plot: Path | None,
+    report: Path | None,
     start: float | None,
     end: float | None,
     names: TopicNames,
@@ -48,8 +52,12 @@ def command(
         check_folder(plot)
     model = read_calibration(calibration)
     reference = Reference.parse(reference_text)
+    record = RunRecord(len(model.names)) if report is not None else None
+    observe = record.add if record is not None else None
     with counting_bar("compensating", declared_messages([bag], names)) as advance:
-        evaluation = evaluate_bag(bag, model, reference, names=names, span=(start, end), progress=advance)
+        evaluation = evaluate_bag(
+            bag, model, reference, names=names, span=(start, end), progress=advance, observe=observe
+        )
     show_table(table(evaluation, f"{bag.name}, reference {reference}"), WHY_UNKNOWN)
     if plot is not None:
         from hgma_compensation.evaluation.plots import (
@@ -57,6 +65,13 @@ def command(
         )  # matplotlib takes longer than the rest
 
         plot_evaluation(evaluation, plot, bag.name)
+    if report is not None and record is not None:
+        from hgma_compensation.report.evaluation_next import Evaluated
+        from hgma_compensation.report.evaluation_report import write_evaluation_report
+
+        about = Evaluated(bag, calibration, str(reference))
+        write_evaluation_report(evaluation, record.summary(), model, about, report)
+        click.echo(f"{report}: report")
     write_json(json_path, evaluation.as_json())
 
 

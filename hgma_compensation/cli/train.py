@@ -12,10 +12,13 @@ from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
 from hgma_compensation.cli.paths import ChannelList
 from hgma_compensation.cli.recording_topics import declared_messages
+from hgma_compensation.cli.report_option import report_option
 from hgma_compensation.cli.terminal import check_folder, counting_bar, new_table, progress_bar, show_table, write_json
+from hgma_compensation.cli.training_page import report_training
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.quantities import duration, quantity
 from hgma_compensation.recording.streamed import open_recording
+from hgma_compensation.report.search_record import SearchRecord
 from hgma_compensation.temperature.features import Product
 from hgma_compensation.topics import TopicNames
 from hgma_compensation.training.filter_design import TIME_CONSTANTS
@@ -104,10 +107,11 @@ WHY_UNKNOWN = "this method has no cross-validation"
     show_default=True,
     help="Networks in each generation.",
 )
+@report_option("Also write a page for people: what was learned, all methods compared, what the recordings cover.")
 @options.time_range
 @options.remap
 @options.json_file
-def command(bags: tuple[Path, ...], output: Path, names: TopicNames, json_path: Path | None, **chosen: Any) -> None:
+def command(bags: tuple[Path, ...], output: Path, names: TopicNames, json_path: Path | None, **chosen: Any) -> int:
     """Fit a calibration to one or more recordings of the same still sensor."""
     check_folder(output)
     settings = TrainingOptions(
@@ -125,9 +129,11 @@ def command(bags: tuple[Path, ...], output: Path, names: TopicNames, json_path: 
     with counting_bar("reading", declared_messages(bags, names)) as advance:
         recordings = [open_recording(bag, names, advance).cut(chosen["start"], chosen["end"]) for bag in bags]
     channels = choose_channels(recordings, settings.channels)
+    search = SearchRecord()
     with progress_bar("training", len(channels) * settings.genetic.generations) as (bar, task):
 
         def show(channel: str, generation: int, best: float) -> None:
+            search.add(channel, generation, best)
             done = channels.index(channel) * settings.genetic.generations + generation
             bar.update(task, completed=done, description=f"{channel}: best {quantity(best, unit_of(channel))}")
 
@@ -136,6 +142,9 @@ def command(bags: tuple[Path, ...], output: Path, names: TopicNames, json_path: 
     show_table(_table(calibration), WHY_UNKNOWN)
     click.echo(f"{output}: calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
     write_json(json_path, _figures(calibration))
+    if chosen["report"] is None:
+        return 0
+    return report_training(recordings, calibration, settings.genetic, search, (bags, output, chosen["report"]))
 
 
 def _table(calibration: Calibration) -> Table:

@@ -1,5 +1,6 @@
 """Error of a bag before and after compensation, in memory that does not depend on its length."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from hgma_compensation import topics
@@ -8,6 +9,7 @@ from hgma_compensation.channels import columns_of
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.evaluation.evaluate import Evaluation
 from hgma_compensation.evaluation.long_evaluation import LongEvaluation, Part
+from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.progress import Advance
 from hgma_compensation.recording.bag_reader import no_samples, open_bag
 from hgma_compensation.recording.bag_topics import BagTopics
@@ -25,11 +27,13 @@ def evaluate_bag(
     names: topics.TopicNames,
     span: tuple[float | None, float | None] = (None, None),
     progress: Advance | None = None,
+    observe: Callable[[Part, Compensated], None] | None = None,
 ) -> Evaluation:
     """Return the errors of a bag, compensated as ``hgma compensate`` does.
 
-    span: s from the start of the recording that count, from the first to before the second. Raises RefusedError where
-    the bag lacks what the calibration needs, or no sample is left.
+    span: s from the start of the recording that count, from the first to before the second. observe: called with
+    the samples as they go by and what the pipeline made of them. Raises RefusedError where the bag lacks what the
+    calibration needs, or no sample is left.
     """
     path, extent, stamps = Path(path), None, None
     if span != (None, None):
@@ -47,7 +51,10 @@ def evaluate_bag(
             if made is not None and len(made.samples):
                 raw = made.messages.values[made.samples][:, columns_of(calibration.names)]
                 result = made.result
-                gathered.add(Part(made.messages.stamps[made.samples], raw, result.values, result.features[:, 0].copy()))
+                part = Part(made.messages.stamps[made.samples], raw, result.values, result.features[:, 0].copy())
+                gathered.add(part)
+                if observe is not None:
+                    observe(part, result)
             if progress is not None:
                 progress(len(batch))
     if not run.samples:

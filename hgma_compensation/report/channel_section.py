@@ -1,15 +1,13 @@
 """All that the report says about one channel."""
 
-from collections.abc import Sequence
-
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis
 from hgma_compensation.diagnosis.verdict import Verdict
 from hgma_compensation.report import candidates, doubts, tables
+from hgma_compensation.report.cards import charts, tile
 from hgma_compensation.report.markup import Html, bullets, element, inner, paragraphs
 from hgma_compensation.report.page import section
 from hgma_compensation.report.pictures.by_effect import evidence_charts
-from hgma_compensation.report.pictures.canvas import Chart
 from hgma_compensation.report.pictures.drift import drift_charts
 from hgma_compensation.report.pictures.left import left_charts
 from hgma_compensation.report.pictures.noise import allan_chart
@@ -17,7 +15,7 @@ from hgma_compensation.report.pictures.residuals import residual_charts
 from hgma_compensation.report.pictures.spectrum import spectrum
 from hgma_compensation.report.remainder import looks_like
 from hgma_compensation.report.sentences import figures, headline, qualification, times_floor
-from hgma_compensation.report.words import SPACE, number, quantity, unit
+from hgma_compensation.report.words import quantity
 
 
 def channel_section(diagnosis: Diagnosis, index: int, original: Calibration | None) -> Html:
@@ -34,11 +32,6 @@ def channel_section(diagnosis: Diagnosis, index: int, original: Calibration | No
     ]
     head = element("header", element("h2", channel.name), tables.badge(channel))
     return element("article", head, *parts, class_="channel", id=f"channel-{index}")
-
-
-def charts(drawn: Sequence[Chart]) -> Html:
-    """Return charts side by side where there is room."""
-    return element("div", *(chart.html() for chart in drawn), class_="charts")
 
 
 def _verdict(channel: ChannelDiagnosis) -> Html:
@@ -61,20 +54,9 @@ def _verdict(channel: ChannelDiagnosis) -> Html:
 
 
 def _tile(name: str, value: float, channel: ChannelDiagnosis, colour: str) -> Html:
-    whole = quantity(value, channel.name)
-    plain = f"{number(value)}{SPACE}{unit(channel.name)}"
-    beside = [whole.removeprefix(plain).strip(f" {SPACE}()")]
-    if colour != "soak":
-        beside.append(f"{times_floor(channel, before=colour == 'before')} × the noise floor")
-    largest = max(channel.error_before, channel.error_after, channel.noise_floor, 1e-300)
-    width = f"width: {max(100.0 * value / largest, 1.0):.1f}%"
-    return element(
-        "li",
-        element("span", name, class_="name"),
-        element("span", plain, class_="value"),
-        element("span", " · ".join(part for part in beside if part), class_="beside"),
-        element("span", element("span", style=width), class_=f"bar c-{colour}", aria_hidden="true"),
-    )
+    largest = max(channel.error_before, channel.error_after, channel.noise_floor)
+    beside = f"{times_floor(channel, before=colour == 'before')} × the noise floor" if colour != "soak" else ""
+    return tile(name, value, channel.name, colour, largest=largest, beside=beside)
 
 
 def _evidence(channel: ChannelDiagnosis) -> list[Html]:
@@ -87,7 +69,7 @@ def _evidence(channel: ChannelDiagnosis) -> list[Html]:
     )
     if not channel.judgement.helped:
         text += " These effects did not hold on the hold-out, and are not in the calibration."
-    parts = [inner(element("h4", title), charts(drawn)) for title, drawn in found]
+    parts = [inner(element("h4", title), charts(drawn, level=5)) for title, drawn in found]
     return [section("Evidence", element("p", text, class_="quiet"), *parts)]
 
 

@@ -32,7 +32,7 @@ def write_diagnosis_report(
 def diagnosis_page(diagnosis: Diagnosis, *, title: str, original: Calibration | None = None) -> str:
     """Return the report as HTML."""
     channels = [channel_section(diagnosis, index, original) for index in range(len(diagnosis.channels))]
-    overview = [section("All channels", tables.overview(diagnosis))] if len(channels) > 1 else []
+    overview = [section("All channels", tables.overview(diagnosis), level=2)] if len(channels) > 1 else []
     return page(title, _head(diagnosis, title, original), *overview, *channels, _judged(diagnosis))
 
 
@@ -60,9 +60,10 @@ def _judged(diagnosis: Diagnosis) -> Html:
             element("p", how),
             tables.recordings(diagnosis),
             *(tables.noise(channel) for channel in diagnosis.channels),
-            element("h4", "Limits"),
+            element("h3", "Limits"),
             element("p", LIMITS),
             element("p", made, class_="quiet"),
+            level=2,
         ),
         class_="channel",
     )

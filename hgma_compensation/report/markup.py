@@ -25,8 +25,18 @@ def element(tag: str, /, *children: str, **attributes: str) -> Html:
     return Html(f"<{tag}{written}>{inner(*children)}</{tag}>")
 
 
-def table(heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[int] = (), caption: str = "") -> Html:
-    """Return a table that scrolls by itself on a narrow screen; numbers: columns that are set flush right."""
+def table(
+    heads: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    numbers: Sequence[int] = (),
+    caption: str = "",
+    *,
+    compact: bool = False,
+) -> Html:
+    """Return a table that scrolls by itself on a narrow screen; numbers: columns that are set flush right.
+
+    compact: its cells are short enough to be read on a narrow screen without scrolling.
+    """
 
     def cells(kind: str, row: Sequence[str]) -> Html:
         return element(
@@ -40,7 +50,8 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence
     head = element("thead", cells("th", heads))
     body = element("tbody", *(cells("td", row) for row in rows))
     title = (element("caption", caption),) if caption else ()
-    return element("div", element("table", *title, head, body), class_="scroll", tabindex="0")
+    classes = {"class_": "compact"} if compact else {}
+    return element("div", element("table", *title, head, body, **classes), class_="scroll", tabindex="0")
 
 
 def details(summary: str, *children: str, open_: bool = False) -> Html:

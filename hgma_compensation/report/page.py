@@ -12,6 +12,6 @@ def page(title: str, *sections: Html) -> str:
     return Template(template).substitute(title=inner(title), content=inner(*sections))
 
 
-def section(title: str, *children: str) -> Html:
-    """Return a card with a title."""
-    return element("section", element("h3", title), *children, class_="card")
+def section(title: str, *children: str, level: int = 3) -> Html:
+    """Return a card with a title; level: of its heading, one below that of what the card is a part of."""
+    return element("section", element(f"h{level}", title), *children, class_="card")

@@ -99,7 +99,7 @@ def train_on_blocks(
     fitted = []
     for column, name in enumerate(channels):
         target = blocks.values[:, column] - references[column]
-        fit = _ChannelFit(options, blocks.features, target, folds, _seed(options.seed, name), block)
+        fit = _ChannelFit(options, blocks.features, target, folds, channel_seed(options.seed, name), block)
         noisy = stamps, samples[:, column] if filtered else samples
         fitted.append(fit.calibrate(name, float(references[column]), noisy, progress))
     return with_id(
@@ -173,7 +173,7 @@ def choose_channels(recordings: Sequence[Source], wanted: tuple[str, ...] | None
     return wanted
 
 
-def _seed(seed: int, channel: str) -> int:
+def channel_seed(seed: int, channel: str) -> int:
     """Return a seed of its own for each channel, the same whichever others are trained beside it."""
     return int(np.random.SeedSequence([seed, CHANNELS.index(channel)]).generate_state(1)[0])
 

@@ -17,7 +17,7 @@ from hgma_compensation.report.pictures.svg import COLOURS, FONT_SIZE, svg
 
 Array = NDArray[np.float64]
 
-MOST_POINTS = 3000
+MOST_POINTS = 2000
 
 
 @dataclass
@@ -44,15 +44,15 @@ class Chart:
         if (colour, mark, text) not in self.keys:
             self.keys.append((colour, mark, text))
 
-    def html(self) -> Html:
-        """Return the chart as a figure of the page."""
+    def html(self, level: int = 5) -> Html:
+        """Return the chart as a figure of the page; level: of its heading."""
         keys = [
             element("li", element("span", class_=f"mark {mark} c-{colour}", aria_hidden="true"), text)
             for colour, mark, text in self.keys
         ]
         legend = element("ul", *keys, class_="keys") if keys else Html("")
         caption = element("p", self.caption) if self.caption else Html("")
-        head = element("figcaption", element("h5", self.title), caption)
+        head = element("figcaption", element(f"h{level}", self.title), caption)
         return element("figure", head, legend, svg(self.figure, self.title), class_="chart")
 
 

@@ -21,18 +21,18 @@ def drift_charts(old: Calibration | None, new: Calibration, channel: str) -> lis
     chart = Chart("Drift model over temperature", "On steady ramps, without the effects.")
     charts = [chart]
     for colour, rate in rates:
-        at, drift = _curve(new, channel, rate)
+        at, drift = steady_ramp(new, channel, rate)
         line(chart.axes[0], at, drift, colour)
         chart.key(colour, "line", f"{number(60.0 * rate, 2)} °C/min")
         if old is not None:
-            line(chart.axes[0], at, _curve(old, channel, rate)[1], colour, ":", 1.2)
+            line(chart.axes[0], at, steady_ramp(old, channel, rate)[1], colour, ":", 1.2)
     if old is not None:
         chart.caption += " Dotted: as it was."
         change = Chart("Change of the drift model", "New less old: what the effects have taken over from it.")
         level(change.axes[0])
         for colour, rate in rates:
-            at, drift = _curve(new, channel, rate)
-            line(change.axes[0], at, drift - _curve(old, channel, rate)[1], colour)
+            at, drift = steady_ramp(new, channel, rate)
+            line(change.axes[0], at, drift - steady_ramp(old, channel, rate)[1], colour)
             change.key(colour, "line", f"{number(60.0 * rate, 2)} °C/min")
         charts.append(change)
     for one in charts:
@@ -40,7 +40,8 @@ def drift_charts(old: Calibration | None, new: Calibration, channel: str) -> lis
     return charts
 
 
-def _curve(calibration: Calibration, channel: str, rate: float) -> tuple[Array, Array]:
+def steady_ramp(calibration: Calibration, channel: str, rate: float) -> tuple[Array, Array]:
+    """Return temperatures (k,) in °C and the drift model (k,) at them on a steady ramp of a rate in °C/s."""
     settings, box = calibration.features, calibration.calibrated_range
     temperature = np.linspace(float(box.lower[0]), float(box.upper[0]), POINTS)
     if settings.product is Product.DELAY:

@@ -17,12 +17,13 @@ COLOURS = {
 }
 """Stand-ins that are replaced by the variables of the page's style, which differ in light and dark."""
 
-FONT_SIZE = 9.0
+FONT_SIZE = 10.0
 _SETTINGS: Any = {"svg.fonttype": "none", "svg.hashsalt": "hgma", "font.size": FONT_SIZE}
 _METADATA: dict[str, None] = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 _EDITS = (
     (r"<!--.*?-->\s*", ""),
     (r" id=\"(?!m|p)[^\"]*\"", ""),  # all but those of markers and clips, which depend on what they hold
+    (r"M ([\d.-]+ [\d.-]+) \nL \1 \n", r"M\1h0"),  # a dot, of which there are thousands
     (r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px"),
 )
 
