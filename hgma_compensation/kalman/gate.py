@@ -16,11 +16,17 @@ SCALES = (1, 4, 16, 64)
 WINDOW = SCALES[-1]
 """Samples that the longest sum covers."""
 
+HALVES = (1, 2, 4, 8, 16, 32)
+"""Samples of the sums of which two make the next: every second is one of SCALES."""
+
+Array = NDArray[np.float64]
+
 
 class InnovationGate:
     """Sums of normalised innovations; at rest white with variance 1, on a level that may wander.
 
-    A sum over L samples is the difference of two running totals, a single one is taken as it is.
+    A sum over 2 L samples is the one over the last L and the one L samples before, so that of an innovation nothing is
+    left in any sum once the sample has left the window.
     """
 
     def __init__(self, threshold: float, wander: float) -> None:
@@ -30,7 +36,7 @@ class InnovationGate:
 
     def reset(self) -> None:
         """Forget all innovations."""
-        self._totals = deque([0.0] * WINDOW, maxlen=WINDOW)
+        self._delayed = [deque([0.0] * length, maxlen=length) for length in HALVES]
         self._variance, self._limits = 0.0, [0.0] * len(SCALES)
 
     def _limits_at(self, variance: Number) -> list[Number]:
@@ -42,27 +48,45 @@ class InnovationGate:
         """Take an innovation over its standard deviation, and its variance; return whether a sum is above its limit."""
         if variance != self._variance:
             self._variance, self._limits = variance, self._limits_at(variance)
-        totals = self._totals
-        total = totals[-1] + normalised
-        beyond = False
-        for scale, limit in zip(SCALES, self._limits, strict=True):
-            part = total - totals[-scale] if scale > 1 else normalised
-            if not part * part <= limit:
+        single, *limits = self._limits
+        beyond = not normalised * normalised <= single
+        part = normalised
+        for number, delayed in enumerate(self._delayed):
+            earlier = delayed[0]
+            delayed.append(part)
+            part = earlier + part
+            if number & 1 and not part * part <= limits[number >> 1]:
                 beyond = True
-        totals.append(total)
         return beyond
 
-    def take_until_exceeded(self, normalised: NDArray[np.float64], variance: float | NDArray[np.float64]) -> int:
+    def take_until_exceeded(self, normalised: Array, variance: float | Array) -> int:
         """Take innovations (n,) up to, without it, the first that exceeds; return how many: as ``exceeded`` does.
 
         variance: (n,), or one for all.
         """
-        totals = np.concatenate([self._totals, normalised])
-        totals[WINDOW - 1 :] = np.add.accumulate(totals[WINDOW - 1 :])
-        within = np.ones(len(normalised), dtype=np.bool_)
-        for scale, limit in zip(SCALES, self._limits_at(np.asarray(variance)), strict=True):
-            sums = totals[WINDOW:] - totals[WINDOW - scale : -scale] if scale > 1 else normalised
-            within &= sums * sums <= limit
-        count = len(within) if within.all() else int(np.argmin(within))
-        self._totals.extend(totals[count : count + WINDOW].tolist())
-        return count
+        count = len(normalised)
+        if not count:
+            return 0
+        single, *limits = self._limits_at(np.asarray(variance))
+        within = leading_within(normalised, single)
+        parts, histories = normalised, []
+        for number, (length, delayed) in enumerate(zip(HALVES, self._delayed, strict=True)):
+            history = np.empty(length + count)
+            history[:length], history[length:] = delayed, parts
+            histories.append(history)
+            parts = history[:-length] + history[length:]
+            if number & 1:
+                within = min(within, leading_within(parts, limits[number >> 1]))
+        for delayed, history in zip(self._delayed, histories, strict=True):
+            delayed.extend(history[within : within + len(delayed)].tolist())
+        return within
+
+
+def leading_within(sums: Array, limit: Array) -> int:
+    """Return how many of the sums (n,), n > 0, come before the first whose square exceeds the limit, (n,) or ()."""
+    # Squares are monotone after rounding: where those of the extremes are within, all are. NaN never is.
+    lowest, highest, least = sums.min(), sums.max(), limit.min()
+    if lowest * lowest <= least and highest * highest <= least:
+        return len(sums)
+    within = sums * sums <= limit
+    return len(sums) if within.all() else int(np.argmin(within))

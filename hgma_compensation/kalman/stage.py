@@ -5,7 +5,8 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from hgma_compensation.kalman.gated import Consistency, GatedFilter
+from hgma_compensation.kalman.consistency import Consistency
+from hgma_compensation.kalman.gated import GatedFilter
 from hgma_compensation.kalman.gated_bulk import pass_closed, pass_open
 from hgma_compensation.kalman.intervals import Intervals, Steps
 from hgma_compensation.kalman.settings import FilterSettings
