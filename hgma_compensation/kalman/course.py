@@ -19,14 +19,14 @@ Array = NDArray[np.float64]
 class Course:
     """Estimates and their variances before the first sample and after each, (n + 1,), and of the innovations, (n,).
 
-    Variances that stay are one number. added, sample_variances: Q and R, (n,), or one for all.
+    Variances that stay are one number. added, sample_variances: Q and R, (n,), or () for all.
     """
 
     estimates: Array
     variances: float | Array
     innovation_variances: float | Array
-    added: float | Array
-    sample_variances: float | Array
+    added: Array
+    sample_variances: Array
 
     def take(self, level: RandomWalkFilter, count: int) -> None:
         """Move the filter, as it was before, on over the first ``count`` samples."""
@@ -37,12 +37,9 @@ class Course:
             assert level.stretch is not None
             level.stretch.take_settled(count)
             return
-        if isinstance(self.added, float) or isinstance(self.sample_variances, float):
-            start, stretch = 0, level.stretch_of(float(self.added), float(self.sample_variances))
-        else:
-            start = int(starts(self.added[:count], self.sample_variances[:count])[-1])
-            noise = float(self.added[start]), float(self.sample_variances[start])
-            stretch = Stretch(*noise) if start else level.stretch_of(*noise)
+        start, stretch = 0, level.stretch_of(float(self.added.flat[0]), float(self.sample_variances.flat[0]))
+        if self.added.ndim and (start := int(starts(self.added[:count], self.sample_variances[:count])[-1])):
+            stretch = Stretch(float(self.added[start]), float(self.sample_variances[start]))
         stretch.take(self.variances[start : count + 1])
         level.stretch, level.variance = stretch, float(self.variances[count])
 
@@ -54,23 +51,26 @@ def course(level: RandomWalkFilter, steps: Steps, samples: Array) -> Course:
     """
     variance = level.variance
     assert variance is not None
-    added, sample_variances = level.added_variance(steps.dt), level.sample_variance(steps.averaged)
-    variances: float | Array
-    if isinstance(added, float) and isinstance(sample_variances, float):
-        stretch = level.stretch_of(added, sample_variances)
-        if stretch.has_settled:
-            predicted = variance + added
-            keep = 1.0 - kalman_gain(predicted, sample_variances)
-            estimates = low_pass(level.estimate, keep, samples)
-            return Course(estimates, variance, predicted + sample_variances, added, sample_variances)
-        variances = stretch.variances(variance, len(samples))
-    else:
-        added, sample_variances = np.asarray(added), np.asarray(sample_variances)
+    dt, averaged = steps
+    if not isinstance(dt, float) and not isinstance(averaged, float):
+        added, sample_variances = level.added_variance(dt), level.sample_variance(averaged)
         variances = uneven_variances(level, variance, added, sample_variances)
-    predicted_variances = variances[:-1] + added
-    keeps = 1.0 - kalman_gain(predicted_variances, sample_variances)
-    estimates = low_pass(level.estimate, keeps, samples)
-    return Course(estimates, variances, predicted_variances + sample_variances, added, sample_variances)
+        return _with_varying_gain(level, variances, added, sample_variances, samples)
+    walk, white = level.added_variance(float(dt)), level.sample_variance(float(averaged))
+    stretch, every = level.stretch_of(walk, white), (np.array(walk), np.array(white))
+    if not stretch.has_settled:
+        return _with_varying_gain(level, stretch.variances(variance, len(samples)), *every, samples)
+    predicted = variance + walk
+    estimates = low_pass(level.estimate, 1.0 - kalman_gain(predicted, white), samples)
+    return Course(estimates, variance, predicted + white, *every)
+
+
+def _with_varying_gain(
+    level: RandomWalkFilter, variances: Array, added: Array, sample_variances: Array, samples: Array
+) -> Course:
+    predicted = variances[:-1] + added
+    estimates = low_pass(level.estimate, 1.0 - kalman_gain(predicted, sample_variances), samples)
+    return Course(estimates, variances, predicted + sample_variances, added, sample_variances)
 
 
 def uneven_variances(level: RandomWalkFilter, variance: float, added: Array, sample_variances: Array) -> Array:

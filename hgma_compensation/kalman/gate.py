@@ -5,6 +5,7 @@ samples show slower and weaker motion, down to an eighth of the noise of a sampl
 """
 
 from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,14 +49,14 @@ class InnovationGate:
         """Take an innovation over its standard deviation, and its variance; return whether a sum is above its limit."""
         if variance != self._variance:
             self._variance, self._limits = variance, self._limits_at(variance)
-        single, *limits = self._limits
-        beyond = not normalised * normalised <= single
+        limits = self._limits
+        beyond = not normalised * normalised <= limits[0]
         part = normalised
         for number, delayed in enumerate(self._delayed):
             earlier = delayed[0]
             delayed.append(part)
             part = earlier + part
-            if number & 1 and not part * part <= limits[number >> 1]:
+            if number & 1 and not part * part <= limits[(number + 1) >> 1]:
                 beyond = True
         return beyond
 
@@ -67,8 +68,12 @@ class InnovationGate:
         count = len(normalised)
         if not count:
             return 0
-        single, *limits = self._limits_at(np.asarray(variance))
-        within = leading_within(normalised, single)
+        limits: Sequence[float | Array]
+        if isinstance(variance, float) or not self._wander:  # without wander no variance matters
+            limits = self._limits_at(variance if isinstance(variance, float) else 1.0)
+        else:
+            limits = self._limits_at(variance)
+        within = leading_within(normalised, limits[0])
         parts, histories = normalised, []
         for number, (length, delayed) in enumerate(zip(HALVES, self._delayed, strict=True)):
             history = np.empty(length + count)
@@ -76,16 +81,17 @@ class InnovationGate:
             histories.append(history)
             parts = history[:-length] + history[length:]
             if number & 1:
-                within = min(within, leading_within(parts, limits[number >> 1]))
+                within = min(within, leading_within(parts, limits[(number + 1) >> 1]))
         for delayed, history in zip(self._delayed, histories, strict=True):
             delayed.extend(history[within : within + len(delayed)].tolist())
         return within
 
 
-def leading_within(sums: Array, limit: Array) -> int:
-    """Return how many of the sums (n,), n > 0, come before the first whose square exceeds the limit, (n,) or ()."""
+def leading_within(sums: Array, limit: float | Array) -> int:
+    """Return how many of the sums (n,), n > 0, come before the first whose square exceeds the limit, (n,) or one."""
     # Squares are monotone after rounding: where those of the extremes are within, all are. NaN never is.
-    lowest, highest, least = sums.min(), sums.max(), limit.min()
+    least = limit if isinstance(limit, float) else float(np.minimum.reduce(limit))
+    lowest, highest = float(np.minimum.reduce(sums)), float(np.maximum.reduce(sums))
     if lowest * lowest <= least and highest * highest <= least:
         return len(sums)
     within = sums * sums <= limit
