@@ -74,17 +74,20 @@ class InnovationGate:
         else:
             limits = self._limits_at(variance)
         within = leading_within(normalised, limits[0])
-        parts, histories = normalised, []
+        parts, newest = normalised, []
         for number, (length, delayed) in enumerate(zip(HALVES, self._delayed, strict=True)):
             history = np.empty(length + count)
             history[:length], history[length:] = delayed, parts
-            histories.append(history)
-            parts = history[:-length] + history[length:]
+            newest.append(history[count:].tolist())
+            parts = history[:count] + history[length:]
             if number & 1:
                 within = min(within, leading_within(parts, limits[(number + 1) >> 1]))
-        for delayed, history in zip(self._delayed, histories, strict=True):
-            delayed.extend(history[within : within + len(delayed)].tolist())
-        return within
+        if within < count:  # taken without the rest, none of which is noted yet
+            every = variance if isinstance(variance, float) else variance[:within]
+            return self.take_until_exceeded(normalised[:within], every)
+        for delayed, values in zip(self._delayed, newest, strict=True):
+            delayed.extend(values)
+        return count
 
 
 def leading_within(sums: Array, limit: float | Array) -> int:

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 FEWEST = 32
 """Samples from which on many at once take less time than one by one."""
 
-FIRST_PART, LONGEST_PART = 64, 16384
+FIRST_PART, LONGEST_PART = 64, 32768
 """Samples at once after the gate has moved, and when it has not for long: what is computed beyond a move is lost."""
 
 
