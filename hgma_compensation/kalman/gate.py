@@ -17,8 +17,8 @@ SCALES = (1, 4, 16, 64)
 WINDOW = SCALES[-1]
 """Samples that the longest sum covers."""
 
-HALVES = (1, 2, 4, 8, 16, 32)
-"""Samples of the sums of which two make the next: every second is one of SCALES."""
+HALVES = ((1, 2), (4, 8), (16, 32))
+"""Samples of the sums of which two make the next, on the way from one of SCALES to the next."""
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class InnovationGate:
 
     def reset(self) -> None:
         """Forget all innovations."""
-        self._delayed = [deque([0.0] * length, maxlen=length) for length in HALVES]
+        self._delayed = [(_zeros(single), _zeros(double)) for single, double in HALVES]
         self._variance, self._limits = 0.0, [0.0] * len(SCALES)
 
     def _limits_at(self, variance: Number) -> list[Number]:
@@ -45,18 +45,24 @@ class InnovationGate:
         wander = self._wander / variance
         return [self._threshold * (scale + wander * (scale * scale)) for scale in SCALES]
 
+    def _limits_of(self, variance: float | Array) -> Sequence[float | Array]:
+        """Return the same of one variance or many; of one where there is no wander, which none of them changes."""
+        if isinstance(variance, float):
+            return self._limits_at(variance)
+        return self._limits_at(variance) if self._wander else self._limits_at(1.0)
+
     def exceeded(self, normalised: float, variance: float) -> bool:
         """Take an innovation over its standard deviation, and its variance; return whether a sum is above its limit."""
         if variance != self._variance:
             self._variance, self._limits = variance, self._limits_at(variance)
-        limits = self._limits
-        beyond = not normalised * normalised <= limits[0]
+        beyond = not normalised * normalised <= self._limits[0]
         part = normalised
-        for number, delayed in enumerate(self._delayed):
-            earlier = delayed[0]
-            delayed.append(part)
-            part = earlier + part
-            if number & 1 and not part * part <= limits[(number + 1) >> 1]:
+        for (first, second), limit in zip(self._delayed, self._limits[1:], strict=True):
+            double = first[0] + part
+            first.append(part)
+            part = second[0] + double
+            second.append(double)
+            if not part * part <= limit:
                 beyond = True
         return beyond
 
@@ -68,26 +74,27 @@ class InnovationGate:
         count = len(normalised)
         if not count:
             return 0
-        limits: Sequence[float | Array]
-        if isinstance(variance, float) or not self._wander:  # without wander no variance matters
-            limits = self._limits_at(variance if isinstance(variance, float) else 1.0)
-        else:
-            limits = self._limits_at(variance)
+        limits = self._limits_of(variance)
         within = leading_within(normalised, limits[0])
         parts, newest = normalised, []
-        for number, (length, delayed) in enumerate(zip(HALVES, self._delayed, strict=True)):
-            history = np.empty(length + count)
-            history[:length], history[length:] = delayed, parts
-            newest.append(history[count:].tolist())
-            parts = history[:count] + history[length:]
-            if number & 1:
-                within = min(within, leading_within(parts, limits[(number + 1) >> 1]))
+        for pair, limit in zip(self._delayed, limits[1:], strict=True):
+            for delayed in pair:
+                length = len(delayed)
+                history = np.empty(length + count)
+                history[:length], history[length:] = delayed, parts
+                newest.append((delayed, history[count:].tolist()))
+                parts = history[:count] + history[length:]
+            within = min(within, leading_within(parts, limit))
         if within < count:  # taken without the rest, none of which is noted yet
             every = variance if isinstance(variance, float) else variance[:within]
             return self.take_until_exceeded(normalised[:within], every)
-        for delayed, values in zip(self._delayed, newest, strict=True):
+        for delayed, values in newest:
             delayed.extend(values)
         return count
+
+
+def _zeros(length: int) -> deque[float]:
+    return deque([0.0] * length, maxlen=length)
 
 
 def leading_within(sums: Array, limit: float | Array) -> int:

@@ -82,5 +82,5 @@ class RandomWalkFilter:
         assert self.variance is not None
         gain = kalman_gain(self.variance, sample_variance)
         self.estimate = low_pass_step(self.estimate, 1.0 - gain, measured)  # Eq. (10)
-        self.stretch = self.stretch_of(self._added, sample_variance)
-        self.variance = self.stretch.step(gain * sample_variance)  # Eq. (11): (1 - K) V = K R
+        stretch = self.stretch = self.stretch_of(self._added, sample_variance)
+        self.variance = stretch.step(gain * sample_variance)  # Eq. (11): (1 - K) V = K R

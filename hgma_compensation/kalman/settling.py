@@ -61,11 +61,12 @@ class Settling:
 
     def after(self, steps: int) -> float:
         """Return the variance after so many steps; fast when asked step by step."""
-        if self.has_settled(steps):
+        if steps >= self._steps:
             return self.limit
-        if not 0 <= steps - self._first < len(self._ahead):
-            self._first, self._ahead = steps, self.between(steps, steps + AHEAD).tolist()
-        return self._ahead[steps - self._first]
+        place = steps - self._first
+        if not 0 <= place < len(self._ahead):
+            place, self._first, self._ahead = 0, steps, self.between(steps, steps + AHEAD).tolist()
+        return self._ahead[place]
 
 
 def can_tell(added: float, sample_variance: float) -> bool:
