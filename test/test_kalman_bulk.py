@@ -177,7 +177,8 @@ def test_a_machine_whose_scipy_rounds_differently_goes_without_it(monkeypatch, k
     expected = low_pass(1.0, keep, values)
     filtered, solved = scipy.signal.lfilter, scipy.linalg.lapack.dgttrs
     monkeypatch.setattr(scipy.signal, "lfilter", lambda *given, **more: [filtered(*given, **more)[0] * (1.0 + 1e-15)])
-    monkeypatch.setattr(scipy.linalg.lapack, "dgttrs", lambda *given: (solved(*given)[0] * (1.0 + 1e-15), 0))
+    upset = np.linspace(1.0, 1.0 + 1e-14, 201)
+    monkeypatch.setattr(scipy.linalg.lapack, "dgttrs", lambda *of: (solved(*of)[0] * upset, 0))
     load_compiled.cache_clear()
     try:
         assert load_compiled() == NOTHING
@@ -192,7 +193,11 @@ def test_this_machine_has_the_compiled_routines():
         assert None not in load_compiled()
 
 
-@given(st.integers(0, 2**32 - 1), st.integers(1, 3 * low_passes.LONGEST), st.floats(0.0, 1.0))
+@settings(deadline=None, max_examples=25)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 3 * low_passes.LONGEST), st.sampled_from([0.0, 0.001, 1.0]))
+@example(0, low_passes.LONGEST, 0.0)
+@example(0, low_passes.LONGEST + 1, 0.0)
+@example(0, low_passes.LONGEST + 2, 0.0)
 def test_the_low_pass_with_a_gain_of_each_sample_is_its_step_bit_for_bit(seed, count, zeros):
     random = np.random.default_rng(seed)
     values = np.where(random.random(count) < zeros, random.choice([0.0, -0.0], count), random.standard_normal(count))
@@ -201,6 +206,17 @@ def test_the_low_pass_with_a_gain_of_each_sample_is_its_step_bit_for_bit(seed, c
     for factor, value in zip(keeps.tolist(), values.tolist(), strict=True):
         expected.append(low_pass_step(expected[-1], factor, value))
     assert low_pass(-0.0, keeps, values).tobytes() == np.array(expected).tobytes()
+
+
+def test_a_level_beyond_all_numbers_is_the_steps_too():
+    values = np.full(1000, np.finfo(np.float64).max)
+    values[::7] *= -1.0
+    keeps = np.full(1000, 2.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        expected = [1.0]
+        for value in values.tolist():
+            expected.append(low_pass_step(expected[-1], 2.0, value))
+        assert np.array_equal(low_pass(1.0, keeps, values), expected, equal_nan=True)
 
 
 def test_single_samples_never_load_scipy_signal():

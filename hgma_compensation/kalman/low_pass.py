@@ -74,14 +74,15 @@ class Recursion:
         self._pivots = np.arange(1, LONGEST + 2, dtype=np.int32)
 
     def __call__(self, keep: Array, terms: Array) -> Array:
-        """Return all x (n + 1,), 2 <= n <= LONGEST, for keep (n,) and terms (n + 1,): x[0], then what is added."""
+        """Return all x (n + 1,), 1 <= n <= LONGEST, for keep (n,) and terms (n + 1,): x[0], then what is added."""
         n = len(keep)
-        solution, _ = self._solve(
-            -keep, self._ones[: n + 1], self._zeros[:n], self._zeros[: n - 1], self._pivots[: n + 1], terms
-        )
-        if not (solution != 0.0).all():  # back substitution takes the sign of a negative zero away
-            return np.array([terms[0], *_one_by_one(float(terms[0]), keep.tolist(), terms[1:].tolist())])
-        return np.asarray(solution)
+        if n > 1:  # scipy's wrapper takes no smaller system
+            below, beside, above = -keep, self._zeros[:n], self._zeros[: n - 1]
+            solution, _ = self._solve(below, self._ones[: n + 1], beside, above, self._pivots[: n + 1], terms)
+            # Back substitution takes the sign of a negative zero away, and an overflow back to the beginning as NaN.
+            if solution[0] == terms[0] and (solution != 0.0).all():
+                return np.asarray(solution)
+        return np.array([terms[0], *_one_by_one(float(terms[0]), keep.tolist(), terms[1:].tolist())])
 
 
 class Compiled(NamedTuple):

@@ -41,7 +41,8 @@ class Settling:
         self._product = root * (variance - self.limit)
         self._rate = 2.0 * log1p(other / sample_variance)
         self._steps = 1 if variance == self.limit else ceil(LAST_BIT / self._rate)
-        self._first, self._ahead = 1, [0.0] * 0
+        self._first = 1
+        self._ahead: list[float] = []
 
     def has_settled(self, steps: int) -> bool:
         """Return whether the variance is the limit from so many steps on."""
