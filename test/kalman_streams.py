@@ -11,7 +11,7 @@ from hgma_compensation.kalman.settings import FilterMode, FilterSettings
 
 WHITE, REFERENCE, EPOCH = 0.3, 9.81, 1_700_000_000_000_000_000
 ROUNDED_CLOCKS = ("rounded", "late by 1 ns")
-CLOCKS = ("even", "jittered", "late", "pauses", "two rates", *ROUNDED_CLOCKS)
+CLOCKS = ("even", "jittered", "late", "pauses", "two rates", "blocks", *ROUNDED_CLOCKS)
 EVENTS = ("rest", "shock", "step", "vibration", "weak", "many")
 
 
@@ -32,6 +32,8 @@ def clock(kind: str, count: int, random: np.random.Generator) -> NDArray[np.int6
         return EPOCH + np.rint(np.arange(count) * 1e9 / 3000.0).astype(np.int64)
     if kind == "jittered":
         steps += 3 * random.integers(-10_000, 10_000, count)  # none that differ by the rounding that is held over
+    elif kind == "blocks":  # even within each, whose headers jitter
+        steps[::500] += 3 * random.integers(-10_000, 10_000, len(steps[::500]))
     elif kind in ("late", "late by 1 ns"):
         least = -1 if kind == "late by 1 ns" else -2
         steps = random.choice([333_300, 0, least, -1_000_000, 666_600], count, p=[0.97, 0.01, 0.005, 0.005, 0.01])

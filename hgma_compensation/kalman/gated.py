@@ -1,26 +1,14 @@
 """The Kalman stage of one channel, one sample at a time: random-walk filter, gate, and the two ways of using them."""
 
 from collections import deque
-from dataclasses import dataclass
 from math import sqrt
 
+from hgma_compensation.kalman.consistency import Consistency
 from hgma_compensation.kalman.gate import WINDOW, InnovationGate
 from hgma_compensation.kalman.impulse import ImpulseDebt
 from hgma_compensation.kalman.quiet import QuietDetector
 from hgma_compensation.kalman.random_walk import Number, RandomWalkFilter
 from hgma_compensation.kalman.settings import FilterMode, FilterSettings
-
-
-@dataclass
-class Consistency:
-    """Sum of the normalised innovations squared of the samples while the gate was closed, and how many were in both.
-
-    The mean (NIS; Bar-Shalom et al. 2001, section 5.4) is 1 where the noise is what the calibration says.
-    """
-
-    squares: float = 0.0
-    closed: int = 0
-    open: int = 0
 
 
 class GatedFilter:
@@ -84,8 +72,7 @@ class GatedFilter:
             output = self.output(z, level.estimate)
         else:
             self.history.append(before)
-            self.consistency.squares += normalised * normalised
-            self.consistency.closed += 1
+            self.consistency.take(normalised)
             level.correct(z, sample_variance)
             output = self.output(z, level.estimate)
             self.debt.withhold((z - output) * dt)

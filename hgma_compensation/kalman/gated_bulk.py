@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hgma_compensation.kalman.course import course
 from hgma_compensation.kalman.gate import WINDOW
 from hgma_compensation.kalman.gated import GatedFilter
+from hgma_compensation.kalman.impulse import LOOK_BACK
 from hgma_compensation.kalman.intervals import Steps
 
 Array = NDArray[np.float64]
@@ -26,23 +27,23 @@ class Passed(NamedTuple):
 
 def pass_closed(stage: GatedFilter, steps: Steps, samples: Array) -> Passed:
     """Take samples while the gate is closed, up to and without the one that opens it."""
-    level, consistency = stage.level, stage.consistency
-    estimates, variances, innovation_variances = course(level, steps, samples)
+    level = stage.level
+    found = course(level, steps, samples)
+    estimates, variances, innovation_variances = found.estimates, found.variances, found.innovation_variances
     innovations = samples - estimates[:-1]
     normalised = innovations / np.sqrt(innovation_variances)
     count = stage.gate.take_until_exceeded(normalised, innovation_variances)
     samples, innovations, normalised = samples[:count], innovations[:count], normalised[:count]
     dt = steps.part(0, count).dt
     outputs = stage.output(samples, estimates[1 : count + 1])
-    if not isinstance(variances, float):
-        level.variance = float(variances[count])
-    level.estimate = float(estimates[count])
+    found.take(level, count)
     tail = slice(max(count - WINDOW, 0), count)
     before = np.broadcast_to(variances, estimates.shape)[tail]
     stage.history.extend(zip(estimates[tail].tolist(), before.tolist(), strict=True))
-    consistency.squares = in_order(consistency.squares, normalised * normalised)
-    consistency.closed += count
-    stage.debt.withhold_all((samples - outputs) * dt)
+    stage.consistency.take_all(normalised)
+    newest = slice(max(count - LOOK_BACK, 0), count)
+    recent = dt if isinstance(dt, float) else dt[newest]
+    stage.debt.withhold_all((samples[newest] - outputs[newest]) * recent)
     return Passed(_paid(stage, dt, normalised, outputs), innovations)
 
 
@@ -66,11 +67,6 @@ def pass_open(stage: GatedFilter, steps: Steps, samples: Array) -> Passed:
     innovations = samples[:count] - estimate
     normalised = innovations / np.sqrt(variances[1:] + sample_variances)[:count]
     return Passed(_paid(stage, dt, normalised, outputs[:count]), innovations)
-
-
-def in_order(start: float, numbers: Array) -> float:
-    """Return start plus all numbers (n,), added one after the other."""
-    return float(np.add.accumulate(np.concatenate([[start], numbers]))[-1])
 
 
 def _paid(stage: GatedFilter, dt: float | Array, normalised: Array, outputs: Array) -> Array:

@@ -33,6 +33,7 @@ class ImpulseDebt:
     def reset(self) -> None:
         """Forget what is owed."""
         self._withheld: deque[float] = deque(maxlen=LOOK_BACK)
+        self._earlier = np.empty(0)
         self._owed = self._instalment = 0.0
 
     @property
@@ -46,14 +47,21 @@ class ImpulseDebt:
 
     def withhold_all(self, impulses: NDArray[np.float64]) -> None:
         """Note what outputs (n,) lack."""
-        self._withheld.extend(impulses[-LOOK_BACK:].tolist())
+        if len(impulses) < LOOK_BACK:
+            self._withheld.extend(impulses.tolist())
+            return
+        # All that was noted is older. Not made numbers of one by one: seldom is any of them called in.
+        self._earlier = np.array(impulses[-LOOK_BACK:])
+        self._withheld.clear()
 
     def call_in(self) -> None:
         """The gate has opened: owe what the samples before it lack."""
-        if self._withheld:
-            self._owed += sum_in_order(self._withheld)
+        withheld = [*self._earlier.tolist(), *self._withheld][-LOOK_BACK:]
+        if withheld:
+            self._owed += sum_in_order(withheld)
         self._instalment = abs(self._owed) / INSTALMENTS
         self._withheld.clear()
+        self._earlier = np.empty(0)
 
     def pay(self, dt: float, normalised: float) -> float:
         """Return what to add to the output of a sample of length dt (s), whose innovation is ``normalised``."""

@@ -83,8 +83,10 @@ class Intervals:
 
     def steps(self, stamps: Stamps) -> Steps:
         """Take stamps (n,), n > 0; the same numbers as one by one."""
-        ns = np.diff(stamps, prepend=self.newest)
-        shortest, longest = int(ns.min()), int(ns.max())
+        ns = np.empty(len(stamps), dtype=np.int64)
+        ns[0] = stamps[0] - self.newest
+        np.subtract(stamps[1:], stamps[:-1], out=ns[1:])
+        shortest, longest = int(np.minimum.reduce(ns)), int(np.maximum.reduce(ns))
         as_before = self._averaged == self._held * SECONDS
         if max(self._held - ROUNDING, 1) <= shortest and longest <= self._held + ROUNDING and as_before:
             self.newest = int(stamps[-1])
@@ -101,10 +103,13 @@ class Intervals:
 
 def hold_steps(ns: NDArray[np.int64], held: int = UNKNOWN) -> NDArray[np.int64]:
     """Return the steps (n,) that count for steps (n,) after one that counted as ``held``, in ns."""
+    if not len(ns):
+        return ns
+    starts = np.append(0, np.flatnonzero(ns[1:] != ns[:-1]) + 1)
     counting = []
     lowest, highest = held - ROUNDING, held + ROUNDING
-    for step in ns.tolist():
+    for step in ns[starts].tolist():
         if not lowest <= step <= highest:
             held, lowest, highest = step, step - ROUNDING, step + ROUNDING
         counting.append(held)
-    return np.array(counting, dtype=np.int64)
+    return np.repeat(np.array(counting, dtype=np.int64), np.diff(np.append(starts, len(ns))))

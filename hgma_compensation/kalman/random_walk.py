@@ -3,18 +3,14 @@
 State: a level x, x' = x + w. Measured: z = x + v. The white noise of the sensor and the random walk
 of the state are given as densities, so the filter means the same at every sampling rate:
 R = N² / dt, Q = q² dt. The gain varies until it has settled, by the Riccati recursion with the time
-steps as intervals.py takes them.
+steps as intervals.py takes them, and by its closed form where they are even (stretch.py).
 """
 
 from dataclasses import dataclass
-from typing import TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
 
 from hgma_compensation.kalman.low_pass import low_pass_step
-
-Number = TypeVar("Number", float, NDArray[np.float64])
+from hgma_compensation.kalman.riccati import Number, kalman_gain
+from hgma_compensation.kalman.stretch import Stretch
 
 
 @dataclass(frozen=True)
@@ -37,15 +33,6 @@ class RandomWalkNoise:
         return cls(white=white, walk=white / seconds)
 
 
-def kalman_gain(predicted: Number, sample_variance: Number) -> Number:
-    """Return K = V / (V + R) of a predicted variance V and that of the sample, R: Eq. (9).
-
-    Written with operations that are monotone in V after rounding too, as K R is, the variance after the sample. So
-    the variance at an even interval moves in one direction until it stands still to the last bit, and cannot cycle.
-    """
-    return 1.0 / (1.0 + sample_variance / predicted)
-
-
 class RandomWalkFilter:
     """One channel's estimate and its variance, moved by the caller from sample to sample."""
 
@@ -59,10 +46,19 @@ class RandomWalkFilter:
         self.started = False
         self.estimate = 0.0
         self.variance: float | None = None
+        self.stretch: Stretch | None = None
+        self._added = 0.0
 
     def start(self, estimate: float, variance: float | None = None) -> None:
         """Begin at an estimate; without a variance it is a sample whose own interval is unknown."""
-        self.started, self.estimate, self.variance = True, estimate, variance
+        self.started, self.estimate, self.variance, self.stretch = True, estimate, variance, None
+
+    def stretch_of(self, added: float, sample_variance: float) -> Stretch:
+        """Return the even stretch that a sample with Q and R goes on with, or begins."""
+        stretch = self.stretch
+        if stretch is not None and stretch.added == added and stretch.sample_variance == sample_variance:
+            return stretch
+        return Stretch(added, sample_variance)
 
     def sample_variance(self, averaged: Number) -> Number:
         """Return R of samples that average over so many s."""
@@ -77,7 +73,8 @@ class RandomWalkFilter:
 
         The level is predicted unchanged. A first sample of unknown interval is given the noise of the second.
         """
-        self.variance = (sample_variance if self.variance is None else self.variance) + self.added_variance(dt)
+        self._added = self.added_variance(dt)
+        self.variance = (sample_variance if self.variance is None else self.variance) + self._added
         return self.variance + sample_variance
 
     def correct(self, measured: float, sample_variance: float) -> None:
@@ -85,4 +82,5 @@ class RandomWalkFilter:
         assert self.variance is not None
         gain = kalman_gain(self.variance, sample_variance)
         self.estimate = low_pass_step(self.estimate, 1.0 - gain, measured)  # Eq. (10)
-        self.variance = gain * sample_variance  # Eq. (11): (1 - K) V = K R
+        stretch = self.stretch = self.stretch_of(self._added, sample_variance)
+        self.variance = stretch.step(gain * sample_variance)  # Eq. (11): (1 - K) V = K R

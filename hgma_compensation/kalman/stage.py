@@ -5,7 +5,8 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from hgma_compensation.kalman.gated import Consistency, GatedFilter
+from hgma_compensation.kalman.consistency import Consistency
+from hgma_compensation.kalman.gated import GatedFilter
 from hgma_compensation.kalman.gated_bulk import pass_closed, pass_open
 from hgma_compensation.kalman.intervals import Intervals, Steps
 from hgma_compensation.kalman.settings import FilterSettings
@@ -18,7 +19,7 @@ Array = NDArray[np.float64]
 FEWEST = 32
 """Samples from which on many at once take less time than one by one."""
 
-FIRST_PART, LONGEST_PART = 64, 16384
+FIRST_PART, LONGEST_PART = 64, 32768
 """Samples at once after the gate has moved, and when it has not for long: what is computed beyond a move is lost."""
 
 
@@ -61,27 +62,35 @@ class KalmanStage:
         A sample whose stamp does not exceed all before it has no interval, hence no known noise: it passes
         under the estimate there is, and corrects nothing.
         """
-        if not len(stamps):
-            return np.empty(0), np.empty(0)
-        if not self._filter.level.started:
+        outputs, innovations = np.empty(len(stamps)), np.empty(len(stamps))
+        done = 0
+        if len(stamps) and not self._filter.level.started:
             self._intervals.newest = int(stamps[0])
             self._filter.start(float(measured[0]))
-            if len(stamps) >= FEWEST:
-                # The first has no interval and the second sets it: what follows may be even.
-                parts = self.run(stamps[:2], measured[:2]), self.run(stamps[2:], measured[2:])
-                return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
-        if len(stamps) >= FEWEST:
-            with np.errstate(over="ignore", invalid="ignore"):
-                return self._run_many(self._intervals.steps(stamps), np.ascontiguousarray(measured, dtype=np.float64))
-        take, step = self._filter.step, self._intervals.step
-        taken = [take(*step(stamp), z) for stamp, z in zip(stamps.tolist(), measured.tolist(), strict=True)]
-        outputs, innovations = zip(*taken, strict=True)
-        return np.array(outputs), np.array(innovations)
+            # The first has no interval and the second sets it: what follows may be even.
+            done = min(2, len(stamps))
+            self._run_few(stamps[:done], measured[:done], outputs, innovations)
+        while done < len(stamps):
+            part = slice(done, done + LONGEST_PART)
+            run = self._run_many if len(stamps[part]) >= FEWEST else self._run_few
+            run(stamps[part], measured[part], outputs[part], innovations[part])
+            done += LONGEST_PART
+        return outputs, innovations
 
-    def _run_many(self, steps: Steps, samples: Array) -> tuple[Array, Array]:
-        """Go through samples (n,) in parts in which the gate does not move and every sample has an interval."""
+    def _run_few(self, stamps: Stamps, measured: Array, outputs: Array, innovations: Array) -> None:
+        """Fill in outputs and innovations of samples (n,), one by one."""
+        take, step = self._filter.step, self._intervals.step
+        for k, (stamp, z) in enumerate(zip(stamps.tolist(), measured.tolist(), strict=True)):
+            outputs[k], innovations[k] = take(*step(stamp), z)
+
+    def _run_many(self, stamps: Stamps, measured: Array, outputs: Array, innovations: Array) -> None:
+        """Do so in parts in which the gate does not move and every sample has an interval."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            samples = np.ascontiguousarray(measured, dtype=np.float64)
+            self._run_parts(self._intervals.steps(stamps), samples, outputs, innovations)
+
+    def _run_parts(self, steps: Steps, samples: Array, outputs: Array, innovations: Array) -> None:
         stage, count = self._filter, len(samples)
-        outputs, innovations = np.empty(count), np.empty(count)
         late = deque(() if isinstance(steps.dt, float) else np.flatnonzero(steps.dt <= 0.0).tolist())
         done = 0
         while done < count:
@@ -100,4 +109,3 @@ class KalmanStage:
                 late.popleft()
             outputs[done], innovations[done] = stage.step(*steps.at(done), float(samples[done]))
             done += 1
-        return outputs, innovations
