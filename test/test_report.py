@@ -1,5 +1,7 @@
+import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from report_diagnosis import NASTY, Checker, calibration_before, lagging_recording, small_diagnosis, words
 
@@ -8,6 +10,7 @@ from hgma_compensation.diagnosis.verdict import Judgement, Verdict
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.report.diagnosis_report import diagnosis_page, write_diagnosis_report
 from hgma_compensation.report.markup import element, inner, table
+from hgma_compensation.report.remainder import looks_like
 from hgma_compensation.report.sentences import headline
 from hgma_compensation.training.methods import Method
 from hgma_compensation.training.train import TrainingOptions, train
@@ -147,3 +150,14 @@ def test_markup_escapes_all_but_markup():
     assert element("p", "<&", class_='a"b') == '<p class="a&quot;b">&lt;&amp;</p>'
     assert inner(element("b", "x"), "<y>") == "<b>x</b>&lt;y&gt;"
     assert "<script>" not in table(["<script>"], [["<script>"]])
+
+
+def test_the_slow_part_of_a_hold_out_is_never_more_than_its_error(diagnosis):
+    channel = diagnosis.channels[0]
+    recordings, held_out = channel.residues_after
+    ramp = np.linspace(-1e4, 1e4, len(held_out.residual))  # m/s², a baseline that bends away outside of its data
+    astray = replace(held_out, residual=held_out.residual + ramp)
+    assert astray.slow.excess > 1000.0
+    said = " ".join(looks_like(replace(channel, residues_after=(recordings, astray))))
+    stated = float(re.search(r"slow part is ([\d.]+)", said).group(1))
+    assert stated <= 1.01 * max(channel.error_after, recordings.slow.excess)

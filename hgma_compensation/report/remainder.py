@@ -27,7 +27,7 @@ def looks_like(channel: ChannelDiagnosis) -> list[str]:
     """Return sentences on what is left in the recordings that were learned from."""
     left = channel.residues_after if channel.judgement.helped else channel.residues_before
     places = [name for name, one in zip(("recordings", "hold-out"), left, strict=True) if has_structure(one)]
-    excess = max(one.slow.excess for one in left)
+    excess = max(left[0].slow.excess, min(left[1].slow.excess, _beyond_noise(channel)))
     said = []
     if places:
         said.append(f"Its slow part is {quantity(excess, channel.name)} RMS beyond noise ({' and '.join(places)}).")
@@ -37,6 +37,16 @@ def looks_like(channel: ChannelDiagnosis) -> list[str]:
         period = line_of(state)
         said += [f"It holds a line with a period of {duration(period)}."] if period else []
     return said
+
+
+def _beyond_noise(channel: ChannelDiagnosis) -> float:
+    """Return the RMS error of the calibration on the hold-out beyond noise, in the channel's unit.
+
+    The baseline of a diagnosis is refitted, and bends away where a hold-out leaves the temperatures that it was fitted
+    to; the calibration, which is held there, does not. So it bounds what can be said of the hold-out.
+    """
+    error = channel.error_after if channel.judgement.helped else channel.error_before
+    return float(np.sqrt(max(error**2 - channel.noise_floor**2, 0.0)))
 
 
 def line_of(state: State) -> float | None:
