@@ -10,7 +10,8 @@ from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
 from hgma_compensation.cli.terminal import check_folder, console, counting_bar, progress_bar, write_json
-from hgma_compensation.coverage.check import check, parse_effects
+from hgma_compensation.coverage.check import check
+from hgma_compensation.coverage.effect_names import parse_effects
 from hgma_compensation.coverage.reading import read
 from hgma_compensation.coverage.result import ChannelCheck, Check, EffectCheck, Level, RecordingFacts
 from hgma_compensation.errors import RefusedError

@@ -19,7 +19,7 @@ from hgma_compensation.effects.registry import kinds
 from hgma_compensation.effects.thermal_lag import ThermalLag
 from hgma_compensation.report.words import number
 
-OF_NOISE, OF_DRIFT = 10.0, 0.02
+OF_NOISE, OF_DRIFT = 3.0, 0.005
 """A size is small that is no more than so many times the noise of a mean of 10 s, or such a share of the drift."""
 
 LARGE = 10.0
@@ -129,7 +129,7 @@ class Judge:
         if kind.name == "aging":
             few = hours < SHORTEST_AGING
             later = ", which says little of later days" if few else ""
-            return f"{hours:.3g} h, {number(point.size / hours)} an hour{later}", few
+            return f"{hours:.3g} h, {number(float(np.ptp(point.values)) / hours)} an hour{later}", few
         return ("", False) if kind.folds_in_time or kind.needs or kind.input_driven else (self._excitation(), False)
 
     def _excitation(self) -> str:

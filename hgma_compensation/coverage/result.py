@@ -30,8 +30,9 @@ class Parameter:
 class EffectCheck:
     """One effect on one channel.
 
-    size: smallest difference between the effect's extremes over the recording that would be named, in the channel's
-    unit, None where none would. rival: kind most like it, correlation: with that one, 0 to 1. remedy: what to record.
+    size: smallest that would be named, RMS about the effect's mean over the recording as errors are given, in the
+    channel's unit; None where none would. rival: kind most like it, correlation: with that one, 0 to 1. remedy: what to
+    record.
     """
 
     name: str

@@ -1,31 +1,33 @@
 """The smallest size of an effect that a diagnosis would name, computed on the recording that it would see.
 
-An effect with one gain k on its first column c leaves, whitened and off what the drift model can carry, k·u with
-|u| known; its gain in the search is then non-central χ² with λ = k²|u|², and the size asked for is the k at which the
-gain passes the diagnosis' own thresholds nine times in ten (``diagnosis/forward.py``). Another kind with directions Q
-takes the share ρ² = |Qᵀu|²/|u|² of that gain, so that (1 − ρ²)·λ decides between the two.
+An effect leaves, whitened and off what the drift model can carry, a vector k·u, |u| = 1. A form of an effect with
+directions Q carries the share |Qᵀu|² of it, and its gain in the search is non-central χ² with λ = k²|Qᵀu|². The length
+k asked for is that at which a form of the effect itself passes the diagnosis' own thresholds
+(``diagnosis/forward.py``) nine times in ten, and no form of another kind comes within CLOSE of its BIC.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 from scipy.stats import chi2, ncx2
 
-from hgma_compensation.diagnosis.baseline import independent
+from hgma_compensation.diagnosis.baseline import independent, regressors
 from hgma_compensation.diagnosis.forward import CLOSE, LARGEST_P, LEAST_CONTRIBUTION
+from hgma_compensation.diagnosis.leftover import slow_directions
 from hgma_compensation.diagnosis.lines import FEWEST_PERIODS, SHORTEST, TRIALS
-from hgma_compensation.diagnosis.problem import Problem, State
+from hgma_compensation.diagnosis.problem import Problem, State, scaled_least_squares
 from hgma_compensation.diagnosis.result import reported_name
 from hgma_compensation.diagnosis.search import SEEN, Scored, searched_count
 from hgma_compensation.diagnosis.significance import NullMaxima, null_maxima
 from hgma_compensation.effects.effect import Effect
 from hgma_compensation.effects.periodic_interference import PeriodicInterference
 from hgma_compensation.effects.registry import kinds
+from hgma_compensation.effects.static_map import FINE, map_difference
 from hgma_compensation.training.blocks import noise_of_means
+from hgma_compensation.training.train import SMALLEST_SPAN
 
 Array = NDArray[np.float64]
 
@@ -38,19 +40,24 @@ LINES = 8
 MEASURED = 3.0
 """RMS of a column off the drift model over its own noise: an input below it shows the noise of its meter only."""
 
+LENGTHS = np.geomspace(1.0, 3e3, 160)
+"""Whitened lengths of effects that are tried, 5 % apart."""
+
 HIGHEST_SCORE = 300.0
 
 
 @dataclass(frozen=True)
 class Point:
-    """One effect with its parameters. size: that would be named, between its extremes, the channel's unit.
+    """One effect with its parameters. size: that would be named, RMS about its mean, the channel's unit.
 
-    gain: of the first column, at that size. rival: kind that takes the largest share of it; correlation: ρ.
+    form: of the effect that would be found, with more columns where that pays. values: (n,) of the effect at that size,
+    at the blocks. rival: kind that looks most like it; correlation: of what no drift model carries of the two.
     """
 
     effect: Effect
+    form: Effect
     size: float
-    gain: float
+    values: Array
     rival: str
     correlation: float
 
@@ -111,20 +118,28 @@ class Sensitivity:
     @cached_property
     def points(self) -> tuple[Point, ...]:
         """The effects that leave something off the drift model, each with the size that would be named."""
-        first = [_first(one) for one in self.scored]
-        off, plain = self._off(np.column_stack(first)) if first else (np.empty((0, 0)), np.empty((0, 0)))
+        if not self.scored:
+            return ()
+        first = np.column_stack([one.columns[:, 0] for one in self.scored])
+        shaped = first.copy()
+        rich = shaped_by_drift(self.state, [one.effect for one in self.scored])
+        for index, (_, column) in rich.items():
+            shaped[:, index] = column
+        forms = [_Form(number, one) for number, one in enumerate(self.scored) if one.rank]
+        scored = self.state.score([form for form, _ in rich.values()])
+        forms += [_Form(number, one) for number, one in zip(rich, scored, strict=True) if one.rank]
+        straight, (off, plain) = self._off(first)[0], self._off(shaped)
         points = []
-        for index, (one, column) in enumerate(zip(self.scored, first, strict=True)):
-            length = float(np.linalg.norm(off[:, index]))
-            if not one.rank or not length or (one.effect.needs and not _is_input(plain[:, index], column)):
+        for index, one in enumerate(self.scored):
+            length, own = float(np.linalg.norm(off[:, index])), float(np.linalg.norm(straight[:, index]))
+            if not one.rank or not length or (one.effect.needs and not _is_input(plain[:, index], shaped[:, index])):
                 continue
-            rival, share = self._rival(one, off[:, index] / length)
-            gain = max(
-                np.sqrt(self._energy(one)) / length,
-                np.sqrt(CLOSE / max(1.0 - share, 1e-12)) / length,
-                LEAST_CONTRIBUTION * self.noise / max(float(np.sqrt(np.mean(plain[:, index] ** 2))), 1e-300),
-            )
-            points.append(Point(one.effect, gain * float(np.ptp(column)), gain, rival, float(np.sqrt(share))))
+            found = self._needed(index, off[:, index] / length, forms)
+            least = LEAST_CONTRIBUTION * self.noise / max(float(np.sqrt(np.mean(plain[:, index] ** 2))), 1e-300)
+            if found is not None:
+                values = shaped[:, index] * max(found[0] / length, least)
+                rival, share = self._most_like(one, straight[:, index] / max(own, 1e-300))
+                points.append(Point(one.effect, found[1], float(np.std(values)), values, rival, float(np.sqrt(share))))
         return tuple(points)
 
     def _off(self, columns: Array) -> tuple[Array, Array]:
@@ -135,20 +150,51 @@ class Sensitivity:
         basis = independent(self.state.problem.baseline)
         return left, columns - basis @ (basis.T @ columns)
 
-    def _energy(self, one: Scored) -> float:
-        """Return the λ at which the effect is taken OFTEN, and is kept: its BIC then is below −CLOSE."""
-        line = isinstance(one.effect, PeriodicInterference)
-        needed = np.log10(TRIALS / LARGEST_P) if line else self.score_needed
-        kept = CLOSE + (one.rank + searched_count(one.effect)) * np.log(len(self.state.problem.values))
-        gain = max(float(chi2.isf(10.0**-needed, one.rank)), kept)
-        return float(brentq(lambda energy: ncx2.sf(gain, one.rank, energy) - OFTEN, 1e-3, 100.0 * gain))
+    def _needed(self, index: int, unit: Array, forms: Sequence["_Form"]) -> tuple[float, Effect] | None:
+        """Return the length that an effect along a whitened unit vector (n,) needs to be named, and the form found.
 
-    def _rival(self, one: Scored, unit: Array) -> tuple[str, float]:
-        """Return the kind of another name that takes the largest share of a whitened unit vector (n,), and the share.
-
-        A direction that both own columns and the rival's span is none that decides: those of the other columns of the
-        effect itself are left in.
+        None where no length is enough. index: of the effect among those scored.
         """
+        energy, cost = LENGTHS**2, np.log(len(unit))
+        name = reported_name(self.scored[index].effect)
+        own, rivals = [], np.full(len(LENGTHS), np.inf)
+        for form in forms:
+            same = reported_name(form.scored.effect) == name
+            if same and form.index != index:
+                continue
+            share = min(float(np.sum((form.scored.directions.T @ unit) ** 2)), 1.0)
+            bic = -share * energy + (form.scored.rank + searched_count(form.scored.effect)) * cost
+            if same:
+                own.append((form.scored, np.where(self._taken(form.scored, share, energy), bic, np.inf)))
+            else:
+                rivals = np.minimum(rivals, bic)
+        best = np.min([bic for _, bic in own], axis=0)
+        enough = np.flatnonzero(np.isfinite(best) & (best < np.minimum(rivals, 0.0) - CLOSE))
+        if not len(enough):
+            return None
+        place = int(enough[0])
+        scored, _ = min(own, key=lambda pair: float(pair[1][place]))
+        return float(LENGTHS[place]), scored.effect
+
+    def _taken(self, form: Scored, share: float, energy: Array) -> NDArray[np.bool_]:
+        """Return for energies (m,) of an effect, of which a form carries a share, whether it is taken and kept OFTEN.
+
+        What it does not carry raises the dispersion that significance is counted over (``leftover.py``).
+        """
+        line = isinstance(form.effect, PeriodicInterference)
+        needed = np.log10(TRIALS / LARGEST_P) if line else self.score_needed
+        dispersion = 1.0 + (1.0 - share) * energy / max(self.slow, 1)
+        kept = CLOSE + (form.rank + searched_count(form.effect)) * np.log(len(self.state.problem.values))
+        gain = np.maximum(chi2.isf(10.0**-needed, form.rank) * dispersion, kept)
+        return np.asarray(ncx2.sf(gain, form.rank, np.maximum(share * energy, 1e-9)) >= OFTEN)
+
+    @cached_property
+    def slow(self) -> int:
+        """Degrees of freedom of slow change that the drift model does not carry."""
+        return int(slow_directions(self.state).shape[1])
+
+    def _most_like(self, one: Scored, unit: Array) -> tuple[str, float]:
+        """Return the kind of another name that carries most of a whitened unit vector (n,), and the share."""
         own, best, largest = reported_name(one.effect), "", 0.0
         for other in self.scored:
             if other.rank and reported_name(other.effect) != own:
@@ -158,9 +204,39 @@ class Sensitivity:
         return best, largest
 
 
-def _first(one: Scored) -> Array:
-    """Return the effect's first column (n,), the plain one where others bend with the temperature."""
-    return one.columns[:, 0]
+@dataclass(frozen=True)
+class _Form:
+    """A form of the effect of an index among those scored."""
+
+    index: int
+    scored: Scored
+
+
+def shaped_by_drift(state: State, effects: Sequence[Effect]) -> dict[int, tuple[Effect, Array]]:
+    """Return, for effects that see the temperature through a map, by index the form with a map that bends.
+
+    Beside it what such an effect would be on a sensor whose map is the drift of the state: (n,), without a gain.
+    """
+    temperature = state.problem.features[:, 0]
+    mapped = {i: effect for i, effect in enumerate(effects) if getattr(effect, "centres", None) == 0.0}
+    if not mapped or np.ptp(temperature) < SMALLEST_SPAN:
+        return {}
+    weights, _ = state.fit()
+    features = np.zeros_like(state.problem.features)
+    features[:, 0] = temperature
+    columns = regressors(state.problem.network, features)
+    static = columns @ weights[: columns.shape[1]]
+    low, high = float(temperature.min()), float(temperature.max())
+    basis = map_difference(temperature, np.full(len(temperature), low), low, high, FINE)
+    gains = scaled_least_squares(np.column_stack([basis, np.ones(len(basis))]), static)[:-1]
+    fine = {i: _with_map(effect, low, high) for i, effect in mapped.items()}
+    bent = state.problem.columns(list(fine.values()))
+    return {i: (effect, own @ gains) for (i, effect), own in zip(fine.items(), bent, strict=True)}
+
+
+def _with_map(effect: Effect, low: float, high: float) -> Effect:
+    changed: Effect = replace(effect, centres=FINE, lowest=low, highest=high)  # type: ignore[type-var]
+    return changed
 
 
 def _is_input(off: Array, column: Array) -> bool:

@@ -20,8 +20,8 @@ def confirmed(state: State, point: Point, random: np.random.Generator) -> Point 
 
     A surrogate is noise of the state's model and the effect, in place of the values.
     """
-    (columns,) = state.problem.columns([point.effect])
-    folds = folds_for(state, point.effect)
+    (columns,) = state.problem.columns([point.form])
+    folds = folds_for(state, point.form)
     if len(np.unique(folds)) < 2:
         return None
     noises = [_noise(state, random) for _ in range(TRIALS)]
@@ -29,13 +29,13 @@ def confirmed(state: State, point: Point, random: np.random.Generator) -> Point 
         factor = LARGER**step
         shares = []
         for noise in noises:
-            values = noise + factor * point.gain * columns[:, 0]
+            values = noise + factor * point.values
             blocks = replace(state.problem.scene.blocks, values=values)
             problem = replace(state.problem, scene=replace(state.problem.scene, blocks=blocks))
             share, fall = share_of_folds(replace(state, problem=problem), columns, folds)
             shares.append(share >= LEAST_FOLDS - 1e-9 and fall > 0.0)
         if 2 * sum(shares) > TRIALS:
-            return replace(point, size=factor * point.size, gain=factor * point.gain)
+            return replace(point, size=factor * point.size, values=factor * point.values)
     return None
 
 
