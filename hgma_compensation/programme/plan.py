@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
-from math import sqrt
+from math import isfinite, sqrt
 from typing import Any
 
 from hgma_compensation.errors import RefusedError
@@ -30,6 +30,16 @@ class Wishes:
 
     def check(self) -> None:
         """Raise RefusedError, naming the option, for what no oven can do."""
+        for option, value in (
+            ("--from", self.lowest),
+            ("--to", self.highest),
+            ("--ramp-rate", self.ramp_rate),
+            ("--mission-rate", self.mission_rate),
+            ("--time-constant", self.time_constant or 0.0),
+            ("--hours", self.hours or 0.0),
+        ):
+            if not isfinite(value):
+                raise RefusedError(f"{option} is {value}: give a number")
         if self.highest - self.lowest < rules.LEAST_SPAN:
             raise RefusedError(
                 f"--from {self.lowest:g} --to {self.highest:g}: the range must rise by {rules.LEAST_SPAN:g} °C at "
@@ -144,9 +154,10 @@ def _steps(wishes: Wishes, effects: Sequence[str]) -> tuple[PlannedStep, ...]:
     soak, asked = soak_for(wishes, effects)
     settle = f"come to rest ({asked})" if asked else "come to rest"
     low, high = wishes.lowest, wishes.highest
-    room = min(max(rules.ROOM, low), high)
+    cold, hot = low + rules.HOLD_OUT_INSIDE, high - rules.HOLD_OUT_INSIDE
+    room = min(max(rules.ROOM, cold), hot)
     learned = rates(wishes, effects)
-    hold = round(sqrt(learned[0] * learned[1]), 2)  # ovens take no more digits
+    hold = float(f"{sqrt(learned[0] * learned[1]):.2g}")  # nobody sets an oven to more digits
     steps = [PlannedStep(room, room, learned[1], max(rules.REST, soak), "equilibrium, noise", Part.LEARN)]
 
     def go(to: float, rate: float, wait: float, why: str, part: Part = Part.LEARN) -> None:
@@ -162,7 +173,6 @@ def _steps(wishes: Wishes, effects: Sequence[str]) -> tuple[PlannedStep, ...]:
         inner, outer = (low + share * (high - low) for share in rules.LOOP)
         go(inner, learned[1], soak, "minor loop: a return point of its own")
         go(outer, learned[1], soak, "minor loop: a return point of its own")
-    cold, hot = low + rules.HOLD_OUT_INSIDE, high - rules.HOLD_OUT_INSIDE
     go(cold, hold, soak, "hold-out: a rate not learned from", Part.HOLD_OUT)
     go(hot, hold, soak, "hold-out: a rate not learned from", Part.HOLD_OUT)
     go(room, hold, rules.LEAST_SOAK, "hold-out: back", Part.HOLD_OUT)
