@@ -18,9 +18,13 @@ from hgma_compensation.effects.hysteresis import Hysteresis
 from hgma_compensation.effects.registry import kinds
 from hgma_compensation.effects.thermal_lag import ThermalLag
 from hgma_compensation.report.words import number
+from hgma_compensation.training.train import SMALLEST_SPAN
 
 OF_NOISE, OF_DRIFT = 3.0, 0.005
 """A size is small that is no more than so many times the noise of a mean of 10 s, or such a share of the drift."""
+
+WIDE = 1.0 / 3.0
+"""Share of the parameters tried for which a small size must show: no recording shows the fastest and the slowest."""
 
 LARGE = 10.0
 """Times a small size, beyond which an effect that needs it counts as not shown."""
@@ -100,7 +104,10 @@ class Judge:
             return "the noise of the channel never changes: nothing vibrates"
         if kind.name == "post_shock_zero_shift" and not self.happened.shocks:
             return "no shock"
-        if self.sweeps < FEWEST_SWEEPS and not kind.folds_in_time and kind not in AVERAGED:
+        span = float(np.ptp(self.sensitivity.state.problem.features[:, 0]))
+        if span < SMALLEST_SPAN and not kind.folds_in_time and not kind.needs:
+            return f"the temperature changes by {span:.2g} °C only"
+        if self.sweeps < FEWEST_SWEEPS and kind not in AVERAGED:
             return f"{self.sweeps} coolings and heatings to learn from, {FEWEST_SWEEPS} are needed to leave a cycle out"
         return "" if points else "nothing sets it off beyond what a model of temperature and rate carries"
 
@@ -112,14 +119,14 @@ class Judge:
 
     def _level(self, points: Sequence[Point], raised: float) -> Level:
         """Return the level; raised: by how much left-out data ask for more than the search does."""
-        if fraction(points, self.small / raised) >= 0.5:
+        if fraction(points, self.small / raised) >= WIDE:
             return Level.IDENTIFIABLE
         return Level.WEAKLY if fraction(points, LARGE * self.small / raised) > 0.0 else Level.NOT
 
     def _reason(self, kind: type[Effect], point: Point) -> tuple[str, bool]:
         """Return what there is in numbers, and whether that limits the verdict whatever the size."""
         power_ons, shocks, hours = self.happened.power_ons, self.happened.shocks, self.happened.hours
-        if self.sweeps < FEWEST_SWEEPS and not kind.folds_in_time:
+        if self.sweeps < FEWEST_SWEEPS:
             return f"{self.sweeps} sweeps: averaged with other memories, none is named by itself", True
         if kind.name == "warm_up":
             few = power_ons < FEWEST_EVENTS
