@@ -31,6 +31,9 @@ SHORTEST_SOAK = 300.0
 SHORTEST_RAMP = 0.05
 """Share of the temperature's span that a ramp covers at least."""
 
+REACHED = 0.8
+"""Quantile of the rates within a ramp that stands for it: its ends are rounded by all that the heat goes through."""
+
 SAME_RATE = 1.2
 """Ratio up to which two ramps count as having the same rate."""
 
@@ -174,7 +177,7 @@ def _ramps_and_soaks(seconds: Array, temperature: Array, rate: Array) -> tuple[l
         if still[part[0]]:
             soaks += [length] if length >= SHORTEST_SOAK else []
         elif abs(temperature[part[-1]] - temperature[part[0]]) >= SHORTEST_RAMP * span:
-            found.append(60.0 * float(np.median(np.abs(rate[part]))))
+            found.append(60.0 * float(np.quantile(np.abs(rate[part]), REACHED)))
     return found, tuple(soaks), len(turning_points(temperature, TURN * span)) + 1
 
 

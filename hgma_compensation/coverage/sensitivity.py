@@ -18,6 +18,7 @@ from hgma_compensation.diagnosis.baseline import independent, regressors
 from hgma_compensation.diagnosis.forward import CLOSE, LARGEST_P, LEAST_CONTRIBUTION
 from hgma_compensation.diagnosis.leftover import slow_directions
 from hgma_compensation.diagnosis.lines import FEWEST_PERIODS, SHORTEST, TRIALS
+from hgma_compensation.diagnosis.polish import answered, finding_form
 from hgma_compensation.diagnosis.problem import Problem, State, scaled_least_squares
 from hgma_compensation.diagnosis.result import reported_name
 from hgma_compensation.diagnosis.search import SEEN, Scored, searched_count
@@ -72,7 +73,10 @@ def state_of(problem: Problem) -> State:
     if not scored:
         return state
     best = min(scored, key=lambda one: one.bic)
-    return State.of(problem, (best.effect,)).with_effects((), ()) if best.bic < -CLOSE else state
+    if best.bic >= -CLOSE:
+        return state
+    found = answered(finding_form(best, problem.survey), state.score)
+    return State.of(problem, (found.effect,)).with_effects((), ())
 
 
 def grid(problem: Problem) -> list[Effect]:
