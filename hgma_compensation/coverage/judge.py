@@ -9,7 +9,7 @@ from hgma_compensation.channels import group_of
 from hgma_compensation.coverage.facts import Happened
 from hgma_compensation.coverage.result import EffectCheck, Level, LookAlike, Parameter
 from hgma_compensation.coverage.sensitivity import Point, Sensitivity, fraction
-from hgma_compensation.coverage.trials import confirmed
+from hgma_compensation.coverage.trials import LARGER, MOST_LARGER, confirmed
 from hgma_compensation.diagnosis.diagnose import FEWEST_SWEEPS
 from hgma_compensation.diagnosis.polish import searched_parameter
 from hgma_compensation.diagnosis.result import reported_name
@@ -71,7 +71,10 @@ class Judge:
         typical = _typical(points, self.small)
         proven = confirmed(self.sensitivity.state, typical, random)
         if proven is None:
-            reason = "no size of it would predict the cycles or stretches of time that are left out of its fit"
+            reason = (
+                f"not even {LARGER**MOST_LARGER:.0f} times the size that shows in the fit would predict the cycles or "
+                "stretches of time left out of it"
+            )
             return EffectCheck(kind.name, Level.NOT, reason, _remedy(kind))
         level = self._level(points, proven.size / typical.size)
         reason, limited = self._reason(kind, proven)
