@@ -18,7 +18,7 @@ from hgma_compensation.programme.rules import Activity, demand_of
 from hgma_compensation.programme.trial_run import EXAMPLES, scenario_text
 
 DEFAULTS = Wishes()
-CELSIUS, RATE = click.FloatRange(-100.0, 250.0), click.FloatRange(0.0, 1000.0, min_open=True)
+CELSIUS, RATE = click.FloatRange(-100.0, 250.0), click.FloatRange(0.01, 1000.0)
 
 
 @click.command("plan")
