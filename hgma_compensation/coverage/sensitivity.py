@@ -7,36 +7,31 @@ k asked for is that at which a form of the effect itself passes the diagnosis' o
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, ncx2
 
-from hgma_compensation.diagnosis.baseline import independent, regressors
+from hgma_compensation.coverage.candidates import grid, state_of
+from hgma_compensation.coverage.shapes import shaped_by_drift
+from hgma_compensation.diagnosis.baseline import independent
 from hgma_compensation.diagnosis.forward import CLOSE, LARGEST_P, LEAST_CONTRIBUTION
 from hgma_compensation.diagnosis.leftover import slow_directions
-from hgma_compensation.diagnosis.lines import FEWEST_PERIODS, SHORTEST, TRIALS
-from hgma_compensation.diagnosis.polish import answered, finding_form
-from hgma_compensation.diagnosis.problem import Problem, State, scaled_least_squares
+from hgma_compensation.diagnosis.lines import TRIALS
+from hgma_compensation.diagnosis.problem import Problem, State
 from hgma_compensation.diagnosis.result import reported_name
 from hgma_compensation.diagnosis.search import SEEN, Scored, searched_count
 from hgma_compensation.diagnosis.significance import NullMaxima, null_maxima
 from hgma_compensation.effects.effect import Effect
 from hgma_compensation.effects.periodic_interference import PeriodicInterference
-from hgma_compensation.effects.registry import kinds
-from hgma_compensation.effects.static_map import FINE, map_difference
 from hgma_compensation.training.blocks import noise_of_means
-from hgma_compensation.training.train import SMALLEST_SPAN
 
 Array = NDArray[np.float64]
 
 OFTEN = 0.9
 """Share of recordings in which an effect of the size given passes the thresholds."""
-
-LINES = 8
-"""Periods that stand for all: the search reads them off the spectrum instead of trying a grid."""
 
 MEASURED = 3.0
 """RMS of a column off the drift model over its own noise: an input below it shows the noise of its meter only."""
@@ -61,32 +56,6 @@ class Point:
     values: Array
     rival: str
     correlation: float
-
-
-def state_of(problem: Problem) -> State:
-    """Return the problem without an effect, under the noise beside whatever is in the recording already.
-
-    Before that, the structure of an effect that the sensor has would count as noise, and hide all others.
-    """
-    state = State.of(problem, ())
-    scored = [one for one in state.score(grid(problem)) if one.rank]
-    if not scored:
-        return state
-    best = min(scored, key=lambda one: one.bic)
-    if best.bic >= -CLOSE:
-        return state
-    found = answered(finding_form(best, problem.survey), state.score)
-    return State.of(problem, (found.effect,)).with_effects((), ())
-
-
-def grid(problem: Problem) -> list[Effect]:
-    """Return all effects that a diagnosis of the problem would try, lines at a few periods."""
-    effects = [effect for kind in kinds().values() for effect in kind.candidates(problem.survey)]
-    shortest, longest = SHORTEST * problem.block, problem.survey.duration / FEWEST_PERIODS
-    if longest > shortest:
-        origin = float(problem.survey.origin)
-        effects += [PeriodicInterference(float(p), origin) for p in np.geomspace(shortest, longest, LINES)]
-    return effects
 
 
 @dataclass(frozen=True)
@@ -214,33 +183,6 @@ class _Form:
 
     index: int
     scored: Scored
-
-
-def shaped_by_drift(state: State, effects: Sequence[Effect]) -> dict[int, tuple[Effect, Array]]:
-    """Return, for effects that see the temperature through a map, by index the form with a map that bends.
-
-    Beside it what such an effect would be on a sensor whose map is the drift of the state: (n,), without a gain.
-    """
-    temperature = state.problem.features[:, 0]
-    mapped = {i: effect for i, effect in enumerate(effects) if getattr(effect, "centres", None) == 0.0}
-    if not mapped or np.ptp(temperature) < SMALLEST_SPAN:
-        return {}
-    weights, _ = state.fit()
-    features = np.zeros_like(state.problem.features)
-    features[:, 0] = temperature
-    columns = regressors(state.problem.network, features)
-    static = columns @ weights[: columns.shape[1]]
-    low, high = float(temperature.min()), float(temperature.max())
-    basis = map_difference(temperature, np.full(len(temperature), low), low, high, FINE)
-    gains = scaled_least_squares(np.column_stack([basis, np.ones(len(basis))]), static)[:-1]
-    fine = {i: _with_map(effect, low, high) for i, effect in mapped.items()}
-    bent = state.problem.columns(list(fine.values()))
-    return {i: (effect, own @ gains) for (i, effect), own in zip(fine.items(), bent, strict=True)}
-
-
-def _with_map(effect: Effect, low: float, high: float) -> Effect:
-    changed: Effect = replace(effect, centres=FINE, lowest=low, highest=high)  # type: ignore[type-var]
-    return changed
 
 
 def _is_input(off: Array, column: Array) -> bool:
