@@ -4,11 +4,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-from builders import LINEAR, make_recording, make_stamps
+from builders import LINEAR, make_calibration, make_recording, make_stamps
 from diagnosis_blocks import CHANNEL, lag_problem, lagging, plain_problem, trained_before
 from test_cli import refused
 from test_cli import run as hgma
 
+from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.coverage.check import check
 from hgma_compensation.coverage.judge import LARGE
 from hgma_compensation.coverage.reading import reading_of
@@ -185,6 +186,15 @@ def bag(tmp_path):
 )
 def test_mistakes_are_refused(words, said, bag, capsys):
     assert said in refused(capsys, "check", bag, *words)
+
+
+def test_a_calibration_that_does_not_fit_is_refused(bag, tmp_path, capsys):
+    write_calibration(make_calibration(channels=LINEAR[:1]), tmp_path / "cal.json")
+    words = ("check", bag, "--calibration", tmp_path / "cal.json", "--channels", LINEAR[2])
+    assert LINEAR[2] in refused(capsys, *words)
+    hot = make_recording(duration_s=300.0, channels=LINEAR[:1], low=150.0, high=180.0)
+    write_recording(hot, tmp_path / "hot")
+    assert "°C" in refused(capsys, "check", tmp_path / "hot", "--calibration", tmp_path / "cal.json")
 
 
 def test_no_bag_and_the_same_bag_twice_are_refused(bag, capsys):

@@ -50,9 +50,12 @@ def check(
     recordings = [reading.recording for reading in every]
     names = choose_channels(recordings, channels or (calibration.names if calibration else None))
     block = block_length(recordings, SHORTEST_BLOCK)
+    if calibration is not None:
+        _check_calibration(calibration, names)
     model = calibration or provisional(recordings, names, block)
     material = arrange([reading.recording for reading in readings], holdout.recording if holdout else None)
     runs = [make_run(recording, model.features.noise) for recording in material.recordings]
+    _check_range(runs, model)
     facts = tuple(_facts(reading, model, block) for reading in every)
     wanted = tuple(kinds()) if effects is None else tuple(effects)
     checked = []
@@ -61,6 +64,24 @@ def check(
             progress(name)
         checked.append(_channel(name, material, runs, model, block, facts, wanted, seed))
     return Check(facts, tuple(checked), material.holdout)
+
+
+def _check_calibration(calibration: Calibration, names: Sequence[str]) -> None:
+    for name in names:
+        if name not in calibration.names:
+            known = ", ".join(calibration.names)
+            raise RefusedError(f"--channels {name}: the calibration has {known} only: leave --calibration out")
+
+
+def _check_range(runs: Sequence[Run], model: Calibration) -> None:
+    """Raise RefusedError where no recording comes into the calibrated range of the temperature."""
+    low, high = float(model.calibrated_range.lower[0]), float(model.calibrated_range.upper[0])
+    seen = np.concatenate([run.smoothed.temperature for run in runs])
+    if not np.any((seen >= low) & (seen <= high)):
+        raise RefusedError(
+            f"the recordings span {seen.min():.1f} to {seen.max():.1f} °C, the calibration {low:.1f} to {high:.1f} °C: "
+            "leave --calibration out"
+        )
 
 
 def _facts(reading: Reading, model: Calibration, block: float) -> RecordingFacts:
