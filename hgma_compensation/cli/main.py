@@ -13,6 +13,8 @@ from hgma_compensation.errors import RefusedError
 COMMANDS = {
     "simulate": "an oven test of the simulated high-g accelerometer",
     "import-csv": "a recording out of a table",
+    "plan": "an oven programme for the effects wanted",
+    "check": "what recordings can and cannot identify",
     "train": "recordings in, calibration out",
     "evaluate": "error of a recording before and after compensation",
     "diagnose": "name the effect that a calibration lacks, and add it",
