@@ -28,14 +28,18 @@ def histogram(summary: Summary, channel: str, figure: Figure) -> Chart | None:
     if not len(known):
         return None
     unit_text = pretty_unit(figure.unit(unit_of(channel)))
-    chart = Chart(figure.title, f"Median {number(float(np.median(known)))} {unit_text}.", height=2.2)
+    chart = Chart(
+        figure.title[0].upper() + figure.title[1:], f"Median {number(float(np.median(known)))} {unit_text}.", height=2.2
+    )
     axes = chart.axes[0]
     axes.hist(known, bins=bars(known), color=COLOURS["after"], alpha=0.85, linewidth=0.0)
     limit = summary.limits.of(channel).get(figure.name)
     if limit is not None:
         chart.key("heat", "dash", f"limit {limit:g} {unit_text}".rstrip())
-        for x in (limit, -limit) if figure.worse is Worse.AWAY else (limit,):
-            instant(axes, x, "heat")
+        both = figure.worse is Worse.AWAY
+        for x in (limit, -limit):
+            if (x == limit and not (both and known.max() < 0.0)) or (x != limit and both and known.min() < 0.0):
+                instant(axes, x, "heat")
     label(axes, f"{figure.title}, {unit_text}" if unit_text else figure.title, "sensors")
     axes.locator_params(axis="x", nbins=5)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, integer=True))

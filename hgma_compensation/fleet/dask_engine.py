@@ -56,9 +56,9 @@ def run_on_cluster(jobs: Sequence[Job], address: str, work: Callable[[Job], Stat
             for job in jobs
         }
         try:
-            for future in distributed.as_completed(futures):
+            for future in distributed.as_completed(futures, loop=client.loop):
                 yield _status(future, futures[future], address)
-        except GeneratorExit:
+        except BaseException:
             client.cancel(list(futures))
             raise
 

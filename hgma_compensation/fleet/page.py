@@ -14,6 +14,9 @@ from hgma_compensation.report.page import page, section
 from hgma_compensation.report.words import counted, number, pretty_unit
 
 WORST = 15
+DIGITS = 6
+"""Of R², which differs in its last ones."""
+
 SHOWN = ("velocity_random_walk", "temperature_sensitivity", "residual_mean", "residual_standard_deviation")
 SHOWN_TOO = ("residual_peak_to_peak", "r_squared")
 
@@ -93,16 +96,20 @@ def _worst(summary: Summary) -> Html:
 
 
 def _units(units: Sequence[Unit], summary: Summary) -> Html:
+    """Return a table of units; a channel is named only where there are several."""
     names = (*SHOWN, *SHOWN_TOO)
-    share = "of limit" if summary.limits else "of median"
-    heads = ["sensor", "state", share, "channel", *(BY_NAME[name].title for name in names), "why"]
+    several = len(summary.channels) > 1
+    heads = ["sensor", "state", "of limit" if summary.limits else "of median", *(["channel"] if several else [])]
+    first = len(heads)
+    heads += [BY_NAME[name].short for name in names] + (["breaks"] if summary.limits else [])
     rows: list[list[str]] = []
     for unit in units:
         for channel, figures in unit.status.channels.items():
-            why = [str(one).partition(": ")[2] for one in unit.broken if one.channel == channel]
             cells = [_quantity(figures.get(name), name, channel) for name in names]
-            rows.append([unit.name, badge(unit.state), _share(unit.badness), channel, *cells, "; ".join(why)])
-    return table(heads, rows, numbers=(2, *range(4, 4 + len(names))))
+            breaks = ", ".join(BY_NAME[one.figure].short for one in unit.broken if one.channel == channel)
+            own = [unit.name, badge(unit.state), _share(unit.badness), *([channel] if several else [])]
+            rows.append([*own, *cells, *([breaks] if summary.limits else [])])
+    return table(heads, rows, numbers=(2, *range(first, first + len(names))))
 
 
 def _share(badness: float) -> str:
@@ -113,7 +120,7 @@ def _quantity(value: float | None, name: str, channel: str) -> str:
     figure = BY_NAME[name]
     if value is None:
         return "–"
-    digits = 5 if figure.per is None else 3
+    digits = DIGITS if figure.per is None else 3
     return f"{number(value, digits)} {pretty_unit(figure.unit(unit_of(channel)))}".rstrip()
 
 
@@ -155,7 +162,8 @@ def _channel(summary: Summary, channel: str) -> Html:
             words = "" if limit is None else f"{'≥' if figure.name == 'r_squared' else '≤'} {limit:g}"
             unit = pretty_unit(figure.unit(unit_of(channel)))
             middle = known[(len(known) - 1) // 2]
-            cells = [number(value, 4) for value in (known[0], middle, known[-1])]
+            digits = DIGITS if figure.per is None else 4
+            cells = [number(value, digits) for value in (known[0], middle, known[-1])]
             rows.append([figure.title, unit, *cells, words, str(broken) if limit is not None else ""])
     heads = ("figure", "unit", "least", "median", "greatest", "limit", "broken by")
     charts = element("div", *(chart.html() for chart in charts_of(summary, channel)), class_="charts")
