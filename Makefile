@@ -16,7 +16,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_PREFER_BINARY := 1
 
-.PHONY: setup demo test lint types chamber-table chamber-sensitivity chamber-diagnosis loop-benchmark paper-table soak bench clean FORCE
+.PHONY: setup demo test lint types chamber-table chamber-sensitivity chamber-diagnosis loop-benchmark paper-table soak bench fleet-benchmark clean FORCE
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.messages
@@ -63,6 +63,10 @@ soak: setup
 # BENCH_ARGUMENTS="messages blocks --json FILE" runs some of it; "--write-docs" puts all of it into docs/PERFORMANCE.md.
 bench: setup
 	$(RUN) -m benchmarks.bench $(BENCH_ARGUMENTS)
+
+# A fleet of 200 simulated sensors on a Dask cluster, a worker killed on the way, against one machine: docs/FLEET.md.
+fleet-benchmark: setup
+	$(RUN) -m benchmarks.fleet --sensors 200 --kill-one $(FLEET_ARGUMENTS)
 
 clean:
 	rm -rf $(VENV) build dist install log demo_output paper_output *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -66,8 +66,10 @@ def _run_until_a_worker_dies(waiting: deque[Job], workers: int, work: Work) -> G
 def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Give a pool whose processes end at once where the block is left by an exception, such as Ctrl-C."""
     others = set(multiprocessing.active_children())
-    # Spawned, not forked: a worker then is the same whatever this process has loaded and started.
-    context = multiprocessing.get_context("spawn")
+    # Not forked from this process, whatever that has loaded and started: from one that has loaded what a job needs,
+    # once for all pools that there are to be.
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["hgma_compensation.fleet.job"])
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin)
     try:
         yield pool
