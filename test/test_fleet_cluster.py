@@ -1,5 +1,6 @@
 """The same fleet on a Dask cluster: two worker processes, one of them killed in the middle of its work."""
 
+import json
 import os
 import subprocess
 import sys
@@ -89,3 +90,27 @@ def test_a_worker_that_came_late_with_another_version_calibrates_nothing(tmp_pat
     (job,) = jobs_of(tmp_path / "sensors", tmp_path / "out", OPTIONS)
     assert "install 9.9 there" in dask_engine.on_worker(job, "9.9").reason
     assert "install" not in dask_engine.on_worker(job, __version__).reason
+
+
+class Broken:
+    """A future that ends with an error of the cluster."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def result(self):
+        raise self.error
+
+
+def test_errors_of_the_cluster_are_told_with_their_remedy(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    (tmp_path / "sensors" / "s").mkdir(parents=True)
+    (tmp_path / "out").mkdir()
+    (job,) = jobs_of(tmp_path / "sensors", tmp_path / "out", OPTIONS)
+    killed = distributed.scheduler.KilledWorker("task", None, 3)
+    assert "4 of them one after the other" in dask_engine._status(Broken(killed), job, "tcp://s").reason
+    assert json.loads((tmp_path / "out" / "s" / "status.json").read_text())["judged"] is None
+    other = dask_engine._status(Broken(OSError("no\nroute")), job, "tcp://s").reason
+    assert other.startswith("the cluster failed on it (no route): give the same command again")
+    lost = refusal_of(dask_engine._status, Broken(distributed.CancelledError("gone")), job, "tcp://s")
+    assert "--scheduler tcp://s was lost: start it again" in lost

@@ -97,18 +97,19 @@ def _worst(summary: Summary) -> Html:
 
 def _units(units: Sequence[Unit], summary: Summary) -> Html:
     """Return a table of units; a channel is named only where there are several."""
-    names = (*SHOWN, *SHOWN_TOO)
-    several = len(summary.channels) > 1
-    heads = ["sensor", "state", "of limit" if summary.limits else "of median", *(["channel"] if several else [])]
+    names, several = (*SHOWN, *SHOWN_TOO), len(summary.channels) > 1
+    heads = ["sensor", "state", *(["of limit", "breaks"] if summary.limits else ["of median"])]
+    heads += ["channel"] if several else []
     first = len(heads)
-    heads += [BY_NAME[name].short for name in names] + (["breaks"] if summary.limits else [])
     rows: list[list[str]] = []
     for unit in units:
         for channel, figures in unit.status.channels.items():
-            cells = [_quantity(figures.get(name), name, channel) for name in names]
-            breaks = ", ".join(BY_NAME[one.figure].short for one in unit.broken if one.channel == channel)
-            own = [unit.name, badge(unit.state), _share(unit.badness), *([channel] if several else [])]
-            rows.append([*own, *cells, *([breaks] if summary.limits else [])])
+            own = [unit.name, badge(unit.state), _share(unit.badness)]
+            if summary.limits:
+                own.append(", ".join(BY_NAME[one.figure].short for one in unit.broken if one.channel == channel))
+            own += [channel] if several else []
+            rows.append([*own, *(_quantity(figures.get(name), name, channel) for name in names)])
+    heads += [BY_NAME[name].short for name in names]
     return table(heads, rows, numbers=(2, *range(first, first + len(names))))
 
 
