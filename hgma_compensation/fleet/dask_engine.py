@@ -5,6 +5,7 @@ A scheduler executes what its clients send it: see docs/FLEET.md on who may reac
 
 from __future__ import annotations
 
+import logging
 import os
 import threading
 import uuid
@@ -100,8 +101,14 @@ def _client(address: str) -> Iterator[Client]:
             f"--scheduler {address} does not answer ({reason}): start one with dask scheduler, and give its address "
             "as it prints it, such as tcp://10.0.0.1:8786"
         ) from None
-    with client:
-        yield client
+    log = logging.getLogger("distributed.client")
+    level = log.level
+    log.setLevel(logging.CRITICAL)  # a connection that is lost is told in one line, not in the library's traceback
+    try:
+        with client:
+            yield client
+    finally:
+        log.setLevel(level)
 
 
 def check_workers(client: Client, source: Path, output: Path) -> None:
