@@ -28,7 +28,9 @@ from fleet_folders import (
 from refusals import refusal_of
 from report_diagnosis import Checker, words
 
+from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.cli.main import main
+from hgma_compensation.evaluation.evaluate import compare
 from hgma_compensation.fleet import job as job_module
 from hgma_compensation.fleet.limits import Limits
 from hgma_compensation.fleet.local_engine import run_here
@@ -37,8 +39,11 @@ from hgma_compensation.fleet.page import fleet_page
 from hgma_compensation.fleet.run import jobs_of, run_jobs
 from hgma_compensation.fleet.summary import State, summarise
 from hgma_compensation.fleet.table import summary_csv
+from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.recording.bag_writer import write_recording
+from hgma_compensation.recording.compensated_bag import compensate_recording
 from hgma_compensation.topics import TopicNames
+from hgma_compensation.training.reference import Reference
 
 
 @pytest.fixture(scope="module")
@@ -97,12 +102,17 @@ def test_a_single_recording_is_judged_on_its_end(tmp_path):
     assert status.calibrated, status.reason
     limit = status.judged.limit
     assert limit == int(0.75 * (400.0 - 0.25))
-    cal, figures = tmp_path / "cal.json", tmp_path / "evaluation.json"
+    cal = tmp_path / "cal.json"
     assert run("train", place, "-o", cal, "--until", limit, "--sensor-id", "alone", *QUICK) == 0
     assert cal.read_bytes() == (tmp_path / "out" / "alone" / "calibration.json").read_bytes()
-    arguments = ("--reference", status.judged.reference, "--from", limit, "--json", figures)
-    assert run("evaluate", place, "--calibration", cal, *arguments) == 0
-    assert figures.read_bytes() == (tmp_path / "out" / "alone" / "evaluation.json").read_bytes()
+    # Judged on the end of what a node would have made of the whole.
+    recording, calibration = read_recording(place), read_calibration(cal)
+    made = compensate_recording(recording, calibration)
+    rows = recording.stamps >= recording.start + limit * 1_000_000_000
+    raw, temperature = recording.values[rows][:, [2]], made.features[rows, 0]
+    reference = Reference.parse(status.judged.reference)
+    expected = compare(recording.stamps[rows], raw, made.values[rows], temperature, calibration, reference)
+    assert json.loads((tmp_path / "out" / "alone" / "evaluation.json").read_text()) == expected.as_json()
 
 
 def test_of_several_recordings_the_last_in_time_is_judged_on(tmp_path):

@@ -37,6 +37,8 @@ def test_sensors_are_the_folders_that_are_not_hidden(tmp_path):
 def test_folders_that_hold_no_fleet_are_refused(tmp_path):
     assert "holds no folder" in refusal_of(sensor_names, tmp_path)
     assert "is no directory" in refusal_of(sensor_names, tmp_path / "absent")
+    (tmp_path / ("n" * 201)).mkdir()
+    assert "more than 200 characters: rename it" in refusal_of(sensor_names, tmp_path)
     (tmp_path / "line\nbreak").mkdir()
     assert "rename it" in refusal_of(sensor_names, tmp_path)
     (tmp_path / "metadata.yaml").touch()

@@ -74,7 +74,11 @@ def _calibrated(job: Job, folder: Path) -> Status:
     parts = split(recordings, options.holdout, options.names)
     calibration = train(parts.training, options.of(job.sensor))
     reference = Reference(tuple(channel.reference for channel in calibration.channels))
-    evaluation = evaluate_bag(parts.judged, calibration, reference, names=options.names, span=(parts.limit, None))
+    # Of a part, with the memory of what went before: the beginning of a stream says nothing of the sensor.
+    judged_from = (parts.limit, None)
+    evaluation = evaluate_bag(
+        parts.judged, calibration, reference, names=options.names, span=judged_from, remembered=True
+    )
     write_calibration(calibration, folder / CALIBRATION)
     content = json.dumps(evaluation.as_json(), indent=1, allow_nan=False) + "\n"
     write_atomically(folder / EVALUATION, content.encode())

@@ -8,6 +8,9 @@ from hgma_compensation.plain_values import is_text
 
 STORAGES = (".mcap", ".db3")
 METADATA = "metadata.yaml"
+LONGEST_NAME = 200
+"""Characters of a sensor's id in a calibration."""
+
 HOLDOUTS = ("holdout*", "accept*")
 """Names of recordings to judge on, where none is named."""
 
@@ -30,6 +33,8 @@ def sensor_names(source: Path) -> tuple[str, ...]:
     for name in names:
         if not is_text(name):
             raise RefusedError(f"{source} holds a folder whose name is no printable text, {name!a}: rename it")
+        if len(name) > LONGEST_NAME:
+            raise RefusedError(f"folder {name} has a name of more than {LONGEST_NAME} characters: rename it")
     return tuple(names)
 
 
@@ -39,9 +44,9 @@ def recordings_of(folder: Path) -> tuple[Path, ...]:
     A folder that holds storage files but no metadata counts: who reads it says what is to be done. Raises RefusedError
     where there is none.
     """
-    if (folder / METADATA).exists():
-        return (folder,)
     try:
+        if (folder / METADATA).exists():
+            return (folder,)
         found = sorted(path for path in folder.iterdir() if not path.name.startswith(".") and _is_recording(path))
     except OSError as error:
         raise RefusedError(f"{folder} cannot be read ({error.strerror}): check its permissions") from None
