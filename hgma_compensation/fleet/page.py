@@ -126,26 +126,26 @@ def _quantity(value: float | None, name: str, channel: str) -> str:
 
 
 def _outliers(summary: Summary) -> list[Html]:
-    found = [(unit, one) for unit in summary.units for one in unit.outliers]
+    found = [unit for unit in summary.units if unit.outliers]
     if not found:
         return []
-    rows = [
-        [
-            unit.name,
-            badge(unit.state),
-            one.channel,
-            BY_NAME[one.figure].title,
-            _quantity(one.value, one.figure, one.channel),
-            number(one.score),
+    several = len(summary.channels) > 1
+    ranked = sorted(found, key=lambda unit: (-max(abs(one.score) for one in unit.outliers), unit.name))
+    rows: list[list[str]] = []
+    for unit in ranked:
+        ordered = sorted(unit.outliers, key=lambda one: -abs(one.score))
+        words = [
+            f"{f'{one.channel} ' if several else ''}{BY_NAME[one.figure].short} "
+            f"{_quantity(one.value, one.figure, one.channel)} ({number(one.score)})"
+            for one in ordered
         ]
-        for unit, one in sorted(found, key=lambda pair: (-abs(pair[1].score), pair[0].name, pair[1].figure))
-    ]
+        rows.append([unit.name, badge(unit.state), ", ".join(words)])
     note = (
-        "Unlike the fleet on the side where the figure is worse, whatever the limits say: 0.6745 · (value − median) / "
-        "median deviation beyond 3.5 (Iglewicz and Hoaglin 1993)."
+        "Unlike the fleet on the side where the figure is worse, whatever the limits say. In brackets the score: "
+        "0.6745 · (value − median) / median deviation, beyond 3.5 (Iglewicz and Hoaglin 1993)."
     )
-    heads = ("sensor", "state", "channel", "figure", "value", "score")
-    return [section("Outliers", element("p", note), table(heads, rows[:100], numbers=(4, 5)), *_left_out(len(rows)))]
+    heads = ("sensor", "state", "figures and their scores")
+    return [section("Outliers", element("p", note), table(heads, rows[:100]), *_left_out(len(rows)))]
 
 
 def _left_out(count: int) -> list[Html]:
