@@ -16,7 +16,8 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_PREFER_BINARY := 1
 
-.PHONY: setup demo live test lint types chamber-table chamber-sensitivity chamber-diagnosis loop-benchmark paper-table soak bench pictures clean FORCE
+.PHONY: setup demo live test lint types chamber-table chamber-sensitivity chamber-diagnosis loop-benchmark paper-table soak bench
+.PHONY: fleet-benchmark pictures clean FORCE
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.messages
@@ -71,6 +72,10 @@ bench: setup
 # The pictures of the effects' pages and the tables in them; the chamber's picture is made by chamber-diagnosis.
 pictures: setup
 	$(RUN) -m benchmarks.pictures
+
+# A fleet of 200 simulated sensors on a Dask cluster, a worker killed on the way, against one machine: docs/FLEET.md.
+fleet-benchmark: setup
+	$(RUN) -m benchmarks.fleet --sensors 200 --kill-one $(FLEET_ARGUMENTS)
 
 clean:
 	rm -rf $(VENV) build dist install log demo_output paper_output *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

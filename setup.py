@@ -41,7 +41,9 @@ OFFLINE = [
     "rosbags>=0.11,<0.12",
     "threadpoolctl>=3.1,<4",
 ]
+FLEET = ["dask[distributed]>=2025.1,<2027"]  # hgma fleet --scheduler
 TEST = [
+    *FLEET,
     "catkin_pkg>=1.0,<2",
     "cyclonedds>=11,<12",  # another DDS, which reads what the node publishes
     "hypothesis>=6.98,<7",
@@ -75,7 +77,7 @@ setup(
         *share_files("launch", "params", "bags"),
     ],
     install_requires=["numpy>=1.26,<3", "scipy>=1.11,<2", "filterpy>=1.4.5,<3"],
-    extras_require={"ros": ROS, "offline": OFFLINE, "test": TEST},
+    extras_require={"ros": ROS, "offline": OFFLINE, "fleet": FLEET, "test": TEST},
     entry_points={
         "console_scripts": [
             f"hgma = {NAME}.cli.main:main",

@@ -81,6 +81,7 @@ def run_document(document: Path, folder: Path, seconds: float) -> None:
     environment = {
         **private_ros_environment(),
         "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
+        "PYTHONPATH": str(ROOT),
         "PYTHONUNBUFFERED": "1",
     }
     done = subprocess.run(
@@ -111,7 +112,7 @@ def _one(command: str) -> str:
         command = command.removeprefix("ros2 run hgma_compensation ")
     elif command.startswith("ros2 param set"):
         return shlex.join([sys.executable, str(ROOT / "test" / "set_parameter.py"), *words[3:]])
-    elif words[:2] == ["python", "-m"] and words[2].startswith("benchmarks."):
+    elif words[:2] == ["python", "-m"] and words[2].startswith("benchmarks.") and "--simulate-only" not in words:
         return _only_read(words)
     for beginning in NOT_RUN:
         if command.startswith(beginning):

@@ -3,12 +3,19 @@
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 from builders import make_recording
 from report_diagnosis import NASTY, calibration_before, small_diagnosis
 
 from hgma_compensation.channels import columns_of
 from hgma_compensation.evaluation.evaluate import compare
 from hgma_compensation.evaluation.long_evaluation import Part
+from hgma_compensation.fleet.figures import BY_NAME
+from hgma_compensation.fleet.limits import Limits
+from hgma_compensation.fleet.options import FleetOptions
+from hgma_compensation.fleet.page import fleet_page
+from hgma_compensation.fleet.status import Judged, Status
+from hgma_compensation.fleet.summary import summarise
 from hgma_compensation.recording.compensated_bag import compensate_recording
 from hgma_compensation.report.diagnosis_report import diagnosis_page
 from hgma_compensation.report.evaluation_next import Evaluated
@@ -74,9 +81,26 @@ def an_evaluation_page():
     return evaluation_page(*evaluated(another_day(), calibration), calibration, Evaluated(BAG, CALIBRATION, "mean"))
 
 
+def a_fleet_page():
+    random = np.random.default_rng(8)
+    limits = Limits({CHANNELS[1]: {"residual_peak_to_peak": 1.0, "velocity_random_walk": 1e3}})
+    judged = Judged("sha256-0123456789abcdef", ("train",), "holdout", None, "0.0")
+    statuses = [
+        Status(f"sensor {number:03d}", judged, channels={name: _fleet_figures(random) for name in CHANNELS})
+        for number in range(30)
+    ]
+    statuses.append(Status(f"sensor {NASTY}", reason=f"{NASTY} holds no thermistor sample: record /accel/temperature"))
+    return fleet_page(summarise(statuses, limits, FleetOptions(QUICK)), f"Fleet {NASTY}")
+
+
+def _fleet_figures(random):
+    return {name: float(random.lognormal(sigma=0.6)) for name in BY_NAME}
+
+
 PAGES = {
     "diagnosis": lambda: diagnosis_page(small_diagnosis(), title=f"Diagnosis {NASTY}", original=calibration_before()),
     "evaluation": an_evaluation_page,
+    "fleet": a_fleet_page,
     "training": lambda: training_page(small_training(), [BAG], CALIBRATION),
 }
 """HTML of each kind of page: add a page here, and it is looked at in light and dark, on a phone and on a desk."""

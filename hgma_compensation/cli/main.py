@@ -18,6 +18,7 @@ COMMANDS = {
     "train": "recordings in, calibration out",
     "evaluate": "error of a recording before and after compensation",
     "diagnose": "name the effect that a calibration lacks, and add it",
+    "fleet": "calibrate and judge many sensors, one for each folder",
     "compensate": "a recording with the compensated topics added",
     "play": "publish a recording to ROS",
     "inspect": "a calibration in words",

@@ -8,26 +8,19 @@ from rich.table import Table
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import write_calibration
-from hgma_compensation.channels import parse_channels, unit_of
+from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.paths import ChannelList
 from hgma_compensation.cli.recording_topics import declared_messages
 from hgma_compensation.cli.report_option import report_option
 from hgma_compensation.cli.terminal import check_folder, counting_bar, new_table, progress_bar, show_table, write_json
+from hgma_compensation.cli.training_options import settings_of, training_options
 from hgma_compensation.cli.training_page import report_training
-from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.quantities import duration, quantity
 from hgma_compensation.recording.streamed import open_recording
 from hgma_compensation.report.search_record import SearchRecord
-from hgma_compensation.temperature.features import Product
 from hgma_compensation.topics import TopicNames
-from hgma_compensation.training.filter_design import TIME_CONSTANTS
-from hgma_compensation.training.genetic import GeneticSettings
-from hgma_compensation.training.methods import Method
-from hgma_compensation.training.reference import Reference
-from hgma_compensation.training.train import TrainingOptions, choose_channels, train
+from hgma_compensation.training.train import choose_channels, train
 
-DEFAULTS, SEARCH = TrainingOptions(), GeneticSettings()
 FIGURES = ("fitted", "cross-validated", "noise")
 WHY_UNKNOWN = "this method has no cross-validation"
 
@@ -35,78 +28,8 @@ WHY_UNKNOWN = "this method has no cross-validation"
 @click.command("train", epilog="Example: hgma train oven_test -o calibration.json")
 @options.bags_argument
 @options.output("CAL", "Calibration file to write.")
-@click.option(
-    "--method",
-    type=click.Choice([m.value for m in Method]),
-    default=DEFAULTS.method.value,
-    show_default=True,
-    help="rbf-ga: network found by a genetic search. rbf: network trained by gradient descent. polynomial: cubic in "
-    "temperature, as PX4 and ArduPilot fit it. polynomial-rate: the cubic with rate terms.",
-)
-@click.option(
-    "--channels",
-    metavar="LIST",
-    type=ChannelList(),
-    help="Comma-separated, such as linear_acceleration.z. Default: all that the recordings have.",
-)
-@options.reference
-@click.option(
-    "--seed",
-    type=click.IntRange(min=0),
-    default=DEFAULTS.seed,
-    show_default=True,
-    help="Same seed, same calibration.",
-)
+@training_options
 @click.option("--sensor-id", metavar="ID", help="Name of the sensor in the file. Default: the frame of its messages.")
-@click.option(
-    "--delay",
-    type=click.FloatRange(min=0.0, min_open=True),
-    default=DEFAULTS.delay,
-    show_default=True,
-    help="Of ΔT = T(t) - T(t - delay), s.",
-)
-@click.option(
-    "--product",
-    type=click.Choice([p.value for p in Product]),
-    default=DEFAULTS.product.value,
-    show_default=True,
-    help="Form of the input T·ΔT; reference is the paper's T·(T - 25 °C), which adds nothing to T.",
-)
-@click.option(
-    "--filter",
-    "filter_mode",
-    type=click.Choice([m.value for m in FilterMode]),
-    default=DEFAULTS.filter.value,
-    show_default=True,
-    help="Kalman stage after the drift model. smooth: filtered, shocks let through. "
-    "bias: a slow bias is learned at rest.",
-)
-@click.option(
-    "--filter-time-constant",
-    type=click.FloatRange(min=0.0, min_open=True),
-    help=f"s. Default: {TIME_CONSTANTS[FilterMode.SMOOTH]:g} for smooth, {TIME_CONSTANTS[FilterMode.BIAS]:g} for bias.",
-)
-@click.option(
-    "--centres",
-    type=click.IntRange(1, 200),
-    default=SEARCH.centres,
-    show_default=True,
-    help="Gaussians of the network.",
-)
-@click.option(
-    "--generations",
-    type=click.IntRange(min=1),
-    default=SEARCH.generations,
-    show_default=True,
-    help="Longest search.",
-)
-@click.option(
-    "--population",
-    type=click.IntRange(min=4),
-    default=SEARCH.population,
-    show_default=True,
-    help="Networks in each generation.",
-)
 @report_option("Also write a page for people: what was learned, all methods compared, what the recordings cover.")
 @options.time_range
 @options.remap
@@ -114,18 +37,7 @@ WHY_UNKNOWN = "this method has no cross-validation"
 def command(bags: tuple[Path, ...], output: Path, names: TopicNames, json_path: Path | None, **chosen: Any) -> int:
     """Fit a calibration to one or more recordings of the same still sensor."""
     check_folder(output)
-    settings = TrainingOptions(
-        method=Method(chosen["method"]),
-        channels=parse_channels(chosen["channels"]) if chosen["channels"] is not None else None,
-        reference=Reference.parse(chosen["reference_text"]),
-        seed=chosen["seed"],
-        sensor_id=chosen["sensor_id"],
-        delay=chosen["delay"],
-        product=Product(chosen["product"]),
-        filter=FilterMode(chosen["filter_mode"]),
-        filter_time_constant=chosen["filter_time_constant"],
-        genetic=GeneticSettings(chosen["centres"], chosen["population"], chosen["generations"]),
-    )
+    settings = settings_of(chosen, chosen["sensor_id"])
     with counting_bar("reading", declared_messages(bags, names)) as advance:
         recordings = [open_recording(bag, names, advance).cut(chosen["start"], chosen["end"]) for bag in bags]
     channels = choose_channels(recordings, settings.channels)

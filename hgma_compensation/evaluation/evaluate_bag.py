@@ -26,14 +26,16 @@ def evaluate_bag(
     *,
     names: topics.TopicNames,
     span: tuple[float | None, float | None] = (None, None),
+    remembered: bool = False,
     progress: Advance | None = None,
     observe: Callable[[Part, Compensated], None] | None = None,
 ) -> Evaluation:
     """Return the errors of a bag, compensated as ``hgma compensate`` does.
 
-    span: s from the start of the recording that count, from the first to before the second. observe: called with
-    the samples as they go by and what the pipeline made of them. Raises RefusedError where the bag lacks what the
-    calibration needs, or no sample is left.
+    span: s from the start of the recording that count, from the first to before the second. remembered: what lies
+    outside of it is compensated too, as by a node that ran all the time, but does not count; else it is not read.
+    observe: called with the samples as they go by, counted or not, and what the pipeline made of them. Raises
+    RefusedError where the bag lacks what the calibration needs, or no sample is left.
     """
     path, extent, stamps = Path(path), None, None
     if span != (None, None):
@@ -45,14 +47,14 @@ def evaluate_bag(
         found = BagTopics(bag, path, names)
         # Where only a part is asked for, or in blocks, there may be fewer or more samples.
         declared = 0 if extent is not None else sum(connection.msgcount for connection in found.accelerometer)
-        run = OfflineRun(bag, path, found, calibration, found.read, stamps)
+        run = OfflineRun(bag, path, found, calibration, found.read, None if remembered else stamps)
         gathered = LongEvaluation(calibration, reference, declared)
         for batch, made in run.windows():
             if made is not None and len(made.samples):
                 raw = made.messages.values[made.samples][:, columns_of(calibration.names)]
                 result = made.result
                 part = Part(made.messages.stamps[made.samples], raw, result.values, result.features[:, 0].copy())
-                gathered.add(part)
+                gathered.add(part.within(stamps) if remembered and stamps is not None else part)
                 if observe is not None:
                     observe(part, result)
             if progress is not None:

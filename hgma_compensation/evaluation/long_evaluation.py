@@ -42,6 +42,11 @@ class Part:
     compensated: Array
     temperature: Array
 
+    def within(self, span: tuple[int, int]) -> Part:
+        """Return the samples with stamps (ns) from the first to before the second."""
+        rows = (self.stamps >= span[0]) & (self.stamps < span[1])
+        return Part(self.stamps[rows], self.raw[rows], self.compensated[rows], self.temperature[rows])
+
 
 class LongEvaluation:
     """Takes the samples of one recording in their order. samples: how many there were."""

@@ -1,0 +1,1 @@
+"""Calibration of many sensors: one job for each, somewhere to run them, and what became of them all."""
