@@ -45,7 +45,7 @@ const invisible = [];
 document.querySelectorAll("svg, img, canvas").forEach((picture) => {
   const box = picture.getBoundingClientRect();
   const name = picture.getAttribute("aria-label") || picture.getAttribute("alt") || "";
-  const drawn = [...picture.querySelectorAll("path")].filter((path) => {
+  const drawn = [...picture.querySelectorAll("path:not(defs path), use")].filter((path) => {
     const style = getComputedStyle(path);
     return [["fill", style.fillOpacity], ["stroke", style.strokeOpacity]].some(([kind, alpha]) =>
       style[kind] !== "none" &&
