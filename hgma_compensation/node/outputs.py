@@ -17,7 +17,7 @@ _STAMP = struct.Struct("<iI")
 _STAMP_AT = 4  # behind the encapsulation
 
 
-def publish_all(publisher: LifecyclePublisher, raws: Iterable[bytes]) -> None:
+def publish_all(publisher: LifecyclePublisher, raws: Iterable[bytes | bytearray]) -> None:
     """Publish serialised messages in their order, nothing where the node is not active."""
     if not publisher.is_activated:
         return

@@ -41,6 +41,10 @@ class Places:
         return Places(None if self.index is None else self.index[rows], None)
 
 
+ALONE = Places(None, None)
+"""All in one cell."""
+
+
 def cells_of(inputs: Inputs, stamps: Stamps) -> tuple[Cells, Places]:
     """Return the cells that hold the samples (n > 0,) at stamps in ns, and the place of each sample."""
     low, high = int(stamps.min()), int(stamps.max())
@@ -50,7 +54,7 @@ def cells_of(inputs: Inputs, stamps: Stamps) -> tuple[Cells, Places]:
     index = begin.searchsorted(stamps, side="right") - 1
     if len(stamps) == 1 or low >= begin[index_high := int(begin.searchsorted(high, side="right")) - 1]:
         at = slice(int(index[0]), int(index[0]) + 1)
-        return _cells(begin, grid, at), Places(None, None)
+        return _cells(begin, grid, at), ALONE
     counts = np.bincount(index, minlength=index_high + 1)
     held = np.flatnonzero(counts)
     new = np.zeros(len(counts), dtype=np.int64)

@@ -9,15 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.channels import CHANNELS, columns_of
+from hgma_compensation.channels import AXES, CHANNELS, columns_of
 from hgma_compensation.effects.effect import Need, no_memory
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.stage import Consistency, KalmanStage
+from hgma_compensation.pipeline.cells import ALONE, Places
 from hgma_compensation.pipeline.compensated import Compensated, joined, zeros
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG, Inputs
 from hgma_compensation.pipeline.ordinary_line import OrdinaryLine
 from hgma_compensation.pipeline.screening import increases
-from hgma_compensation.pipeline.slow_drift import SlowDrift
+from hgma_compensation.pipeline.slow_drift import Cell, CellValues, SlowDrift
 from hgma_compensation.pipeline.slow_samples import SlowSamples
 from hgma_compensation.pipeline.stretches import Cut, Stretches
 from hgma_compensation.pipeline.time_lines import TimeLines
@@ -28,6 +29,13 @@ from hgma_compensation.temperature.track import Sample, TemperatureTrack
 
 CHUNK = 65536
 """Samples evaluated at once: bounds the memory of the hidden layer."""
+
+
+def _axes(columns: list[int]) -> slice | None:
+    """Return columns of CHANNELS as a slice of AXES, None where they are none."""
+    step = columns[1] - columns[0] if len(columns) > 1 else 1
+    inside = slice(columns[0], columns[-1] + 1, step) if step > 0 and columns[-1] < len(AXES) else slice(0)
+    return inside if list(range(len(AXES)))[inside] == columns else None
 
 
 class Pipeline:
@@ -59,6 +67,7 @@ class Pipeline:
         self._before_gap: tuple[list[KalmanStage | None], list[Any]] = (self._filters, self.stage.snapshot())
         self.cuts: Counter[Cut] = Counter()
         self._columns, self.columns_read = columns_of(calibration.names), columns_of(calibration.channels_read)
+        self._axes = _axes(self._columns) if set(self._columns) == set(self.columns_read) else None
 
     @property
     def inputs(self) -> Inputs:
@@ -94,9 +103,40 @@ class Pipeline:
         self._stretches.newest = stamp
         return True
 
+    def ordinary_cells(self, first: int, last: int) -> list[tuple[Cell, int]] | None:
+        """Return the cells, and where each ends, of samples from ``first`` to ``last`` (ns) that only go on.
+
+        None where each sample must be looked at.
+        """
+        if self._filtered or self.stage.has_fast or self.cuts or not self._time_lines.single:
+            return None
+        return self._slow.ordinary(self.inputs, first, last) if self._stretches.only_go_on(first, last) else None
+
+    def go_on_through(self, last: int) -> None:
+        """Move on to the last (ns) of samples in ``ordinary_cells``."""
+        self._stretches.newest = last
+
+    def end_of_block(self, stamp: int, cell: Cell, left: list[float]) -> Compensated:
+        """Return what there is to say of the last sample of a block, at a stamp (ns), left (c,) without its drift."""
+        said = self._said(np.array([stamp], dtype=np.int64), cell.values, ALONE)
+        values = np.array([left])
+        return Compensated(values, values, said)
+
+    def _said(self, stamps: Stamps, cells: CellValues, places: Places) -> SlowSamples:
+        calibration = self.calibration
+        return SlowSamples(stamps, cells, places, calibration.features, calibration.calibrated_range, self._uncertainty)
+
+    @property
+    def axes(self) -> slice | None:
+        """Which of CHANNELS are calibrated, and nothing else is read, if these are axes of the acceleration in order.
+
+        None where that cannot be said by a slice.
+        """
+        return self._axes
+
     def only_go_on(self, stamps: Stamps) -> bool:
         """Return whether increasing stamps (n > 0,) in ns follow on those before without a gap."""
-        return self._stretches.only_go_on(stamps)
+        return self._stretches.only_go_on(int(stamps[0]), int(stamps[-1]))
 
     def columns_of(self, imu: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the calibrated channels (n, c) out of columns CHANNELS (n, 6), a view where they lie side by side."""
@@ -226,9 +266,7 @@ class Pipeline:
         self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None, ordered: bool
     ) -> Compensated:
         """Compensate one stretch without a jump back in time."""
-        cells, places = self._slow.at(self.inputs, stamps, ordered=ordered)
-        calibration = self.calibration
-        slow = SlowSamples(stamps, cells, places, calibration.features, calibration.calibrated_range, self._uncertainty)
+        slow = self._said(stamps, *self._slow.at(self.inputs, stamps, ordered=ordered))
         drift = self._with_fast_effects(stamps, values, imu, slow) if self.stage.has_fast else None
         unfiltered = slow.taken_from(values) if drift is None else values - drift
         if not self._filtered:

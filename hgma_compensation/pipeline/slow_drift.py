@@ -6,6 +6,7 @@ see docs/METHOD.md for its size.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +14,16 @@ from numpy.typing import NDArray
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.effects.stage import EffectStage
-from hgma_compensation.pipeline.cells import Cells, Places, cells_of
+from hgma_compensation.pipeline.cells import ALONE, STEP, Cells, Places, cells_of
 from hgma_compensation.pipeline.inputs import Inputs
 from hgma_compensation.pipeline.status import temperature_status
 from hgma_compensation.stamps import Stamps
 from hgma_compensation.temperature.features import read_features
 
 Array = NDArray[np.float64]
+
+MOST_CELLS = 4
+"""Beyond that many, cells are evaluated together."""
 
 
 @dataclass(frozen=True)
@@ -61,10 +65,32 @@ class CellValues:
     unusable: NDArray[np.bool_]
     missing: NDArray[np.bool_]
 
-    @property
+    @cached_property
     def ordinary(self) -> bool:
         """Whether the temperature is what the calibration knows, in all cells and all through them."""
         return not (self.status.any() or self.mixed.any())
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell and its line in the form in which many samples are taken through it.
+
+    begin: ns. inverse: 1/ns. first, change: (c, 1). largest_drift: the greatest there is of any channel, without sign.
+    """
+
+    values: CellValues
+    begin: int
+    inverse: float
+    first: Array
+    change: Array
+    largest_drift: float
+
+    @classmethod
+    def of(cls, values: CellValues) -> "Cell":
+        """Return the cell (m = 1)."""
+        first, change = values.drift.first.T, values.drift.change.T
+        largest = float(np.maximum(np.abs(first), np.abs(first + change)).max())
+        return cls(values, int(values.begin[0]), float(values.inverse[0]), first, change, largest)
 
 
 class SlowDrift:
@@ -80,6 +106,7 @@ class SlowDrift:
         """Evaluate the next cell, whatever it is."""
         self._inputs: Inputs | None = None
         self._last: CellValues | None = None
+        self._cell: Cell | None = None
         self._version = self._begin = self._until = 0
 
     def at(self, inputs: Inputs, stamps: Stamps, *, ordered: bool = False) -> tuple[CellValues, Places]:
@@ -88,21 +115,51 @@ class SlowDrift:
         ordered: whether the stamps are known to increase.
         """
         low, high = (stamps[0], stamps[-1]) if ordered or len(stamps) == 1 else (stamps.min(), stamps.max())
-        if inputs is self._inputs and inputs.version == self._version and self._begin <= low and high < self._until:
-            assert self._last is not None
-            return self._last, Places(None, None)
+        if self._last is not None and self._begin <= low and high < self._until and self._is_current(inputs):
+            return self._last, ALONE
         cells, places = cells_of(inputs, stamps)
         values = self.evaluate(inputs, cells)
         if places.index is None:
-            self._inputs, self._version, self._last = inputs, inputs.version, values
-            self._begin, self._until = int(cells.begin[0]), int(cells.until[0])
+            self._remember(inputs, cells, values)
         return values, places
+
+    def _remember(self, inputs: Inputs, cells: Cells, values: CellValues) -> None:
+        """Have one cell (m = 1) at hand for the samples that follow."""
+        self._begin, self._until = int(cells.begin[0]), int(cells.until[0])
+        inputs.hold(self._begin, self._until)
+        self._inputs, self._version, self._last, self._cell = inputs, inputs.version, values, None
+
+    def ordinary(self, inputs: Inputs, first: int, last: int) -> list[tuple[Cell, int]] | None:
+        """Return the cells from ``first`` to ``last`` (ns) and where each gives way to the next.
+
+        None where there are many, or in one of them the temperature is not what the calibration knows.
+        """
+        found: list[tuple[Cell, int]] = []
+        if last - first > MOST_CELLS * STEP:
+            return None
+        while not found or found[-1][1] <= last:
+            cell = self._cell_at(inputs, found[-1][1] if found else first)
+            if not cell.values.ordinary or len(found) == MOST_CELLS:
+                return None
+            found.append((cell, self._until))
+        return found
+
+    def _cell_at(self, inputs: Inputs, stamp: int) -> Cell:
+        """Return the cell of a stamp (ns), which is now the last one."""
+        if self._last is None or not self._begin <= stamp < self._until or not self._is_current(inputs):
+            self.at(inputs, np.array([stamp], dtype=np.int64))
+        if self._cell is None:
+            assert self._last is not None
+            self._cell = Cell.of(self._last)
+        return self._cell
+
+    def _is_current(self, inputs: Inputs) -> bool:
+        """Return whether the last cell is what would be evaluated now."""
+        return inputs is self._inputs and inputs.version == self._version
 
     def last_cell(self, inputs: Inputs) -> tuple[CellValues, int] | None:
         """Return the last cell that was evaluated alone, and the stamp (ns) at which it ends; None where it is old."""
-        if self._last is None or inputs is not self._inputs or inputs.version != self._version:
-            return None
-        return self._last, self._until
+        return (self._last, self._until) if self._last is not None and self._is_current(inputs) else None
 
     def evaluate(self, inputs: Inputs, cells: Cells) -> CellValues:
         """Return what holds in cells."""
