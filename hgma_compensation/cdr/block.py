@@ -7,7 +7,7 @@ from operator import eq
 import numpy as np
 from numpy.typing import NDArray
 
-from hgma_compensation.cdr.header import STAMP, aligned, read_header, read_stamp
+from hgma_compensation.cdr.header import STAMP, Header, aligned, read_header, read_stamp
 from hgma_compensation.channels import AXES
 
 _INTERVAL = struct.Struct("<d")
@@ -30,8 +30,9 @@ class BlockLayout:
         self.frame, self.sample_interval = view.frame, view.sample_interval
         raw = bytes(view.raw)
         self._size, self._start = len(raw), spans[AXES[0]].start
-        # Everything but the stamp and the samples.
-        self._fixed = [slice(0, STAMP.start), slice(STAMP.stop, self._start)]
+        # All but the stamp, the samples and the gap before the interval, in which anything may stand.
+        interval = self._start - _LENGTH.size - _INTERVAL.size
+        self._fixed = [slice(0, STAMP.start), slice(STAMP.stop, view.header_end), slice(interval, self._start)]
         self._fixed += [slice(spans[axis].start - _LENGTH.size, spans[axis].start) for axis in AXES[1:]]
         self._bytes = [raw[part] for part in self._fixed]
         self._strides = (self.count * _FLOAT32.itemsize + _LENGTH.size, _FLOAT32.itemsize)
@@ -48,16 +49,17 @@ class BlockLayout:
 class BlockView:
     """One AccelBlock on the memory of the message.
 
-    raw: the message. spans: of the axes in it. stamp: of the first sample, ns. frame: frame_id. sample_interval: s,
+    raw: the message. header_end: where its header ends. spans: of the axes in it. stamp: of the first sample, ns. frame: frame_id. sample_interval: s,
     unchecked. x, y, z: m/s², read-only where the message is; their lengths may differ.
     """
 
-    def __init__(self, raw: bytes | memoryview, frame: str, interval: float, spans: Mapping[str, slice]) -> None:
+    def __init__(self, raw: bytes | memoryview, header: Header, interval: float, spans: Mapping[str, slice]) -> None:
         """Take a message whose axes lie at these offsets."""
         self.raw = raw
+        self.header_end = header.end
         self.spans = spans
         self.stamp = read_stamp(raw)
-        self.frame = frame
+        self.frame = header.frame
         self.sample_interval = interval
         self.x, self.y, self.z = (
             np.frombuffer(raw, _FLOAT32, (span.stop - span.start) // _FLOAT32.itemsize, span.start)
@@ -82,7 +84,7 @@ class BlockView:
             spans[axis] = slice(first, end)
         if end != len(raw):
             return None
-        return cls(raw, header.frame, _INTERVAL.unpack_from(raw, start)[0], spans)
+        return cls(raw, header, _INTERVAL.unpack_from(raw, start)[0], spans)
 
     def patched(self, axes: Mapping[str, NDArray[np.float32]]) -> bytes:
         """Return the message with axes overwritten by arrays of their length; every other byte stays as it is.
