@@ -49,8 +49,9 @@ class BlockLayout:
 class BlockView:
     """One AccelBlock on the memory of the message.
 
-    raw: the message. header_end: where its header ends. spans: of the axes in it. stamp: of the first sample, ns. frame: frame_id. sample_interval: s,
-    unchecked. x, y, z: m/s², read-only where the message is; their lengths may differ.
+    raw: the message. header_end: where its header ends. spans: of the axes in it. stamp: of the first sample, ns.
+    frame: frame_id. sample_interval: s, unchecked. x, y, z: m/s², read-only where the message is; their lengths may
+    differ.
     """
 
     def __init__(self, raw: bytes | memoryview, header: Header, interval: float, spans: Mapping[str, slice]) -> None:

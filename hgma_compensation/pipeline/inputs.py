@@ -75,6 +75,12 @@ class Inputs:
         """Take note that what was read from ``begin`` to ``until`` (ns) is used again while ``version`` is the same."""
         self._held = begin, until
 
+    @property
+    def settled(self) -> int:
+        """Stamp in ns before which readings are what they will be, as long as every input only goes on."""
+        newest = [self.updates(need).last for need in self.wanted]
+        return min((last for last in newest if last is not None), default=0) + self._latency
+
     def _leaves_readings(self, updates: Updates, stamp: int) -> bool:
         """Return whether a sample at a stamp (ns), if it is used, is too young for any reading that is held."""
         if self._held is None or updates.last is None or updates.is_power_on(stamp):

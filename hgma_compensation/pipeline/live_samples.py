@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import group_of
+from hgma_compensation.pipeline.cell_values import Cell
 from hgma_compensation.pipeline.compensated import Compensated, joined
 from hgma_compensation.pipeline.live_state import ACCELERATION
 from hgma_compensation.pipeline.observer import Observer
@@ -19,7 +20,6 @@ from hgma_compensation.pipeline.ordinary_line import OrdinaryLine
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.reasons import Note, Skip
 from hgma_compensation.pipeline.screening import increases, out_of_step, reason_to_skip, usable_samples
-from hgma_compensation.pipeline.slow_drift import Cell
 from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.stamps import Stamps
 
@@ -177,7 +177,7 @@ class LiveSamples(ABC):
         if sums is None:
             return False
         pipeline.go_on_through(last)
-        self._end = BlockEnd(pipeline, last, cells[-1][0], sums.last)
+        self._end = BlockEnd(pipeline, last, cells[-1], sums.last)
         observer.observe_block(stamp, last, sums, self._end)
         self.received += sums.count
         self.compensated += sums.count

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.effect_encoding import LARGEST_ACCELERATION
+from hgma_compensation.pipeline.cell_values import Cell
 from hgma_compensation.pipeline.screening import SERIAL, increases, sum_of_squares
-from hgma_compensation.pipeline.slow_drift import Cell
 from hgma_compensation.stamps import Stamps
 
 Array = NDArray[np.float64]
@@ -19,6 +19,8 @@ Rows = NDArray[np.float32]
 
 LARGEST_PART = 0.5 * LARGEST_ACCELERATION
 """A sample is plausible where its drift and what is left of it without are both within this."""
+
+LARGEST_SQUARE = LARGEST_PART * LARGEST_PART
 
 
 class BlockOffsets:
@@ -58,25 +60,23 @@ class OrdinaryBlocks:
         self._room = np.empty((0, 0, 0))
         self._way = np.empty(0)
 
-    def take(
-        self, stamp: int, offsets: BlockOffsets, rows: Rows, cells: Sequence[tuple[Cell, int]], out: Rows
-    ) -> BlockSums | None:
+    def take(self, stamp: int, offsets: BlockOffsets, rows: Rows, cells: Sequence[Cell], out: Rows) -> BlockSums | None:
         """Write the samples (k, n) of a block at a stamp (ns) less their drift to ``out`` (k, n).
 
-        cells: those from the first sample to the last, each with the stamp (ns) at which the next one takes over.
-        Return what they add up to; None where a sample may be implausible, and ``out`` is then to be thrown away.
+        cells: those from the first sample to the last. Return what the samples add up to; None where one may be
+        implausible, and ``out`` is then to be thrown away.
         """
         count, begin = len(offsets), 0
         totals, squares = [0.0] * len(rows), [0.0] * len(rows)
         left: Array = np.empty((len(rows), 0))
-        for cell, until in cells:
-            end = count if stamp + offsets.last < until else int(offsets.stamps.searchsorted(until - stamp))
+        for cell in cells:
+            end = count if stamp + offsets.last < cell.until else int(offsets.stamps.searchsorted(cell.until - stamp))
             while begin < end:
                 piece = slice(begin, min(begin + SERIAL, end))
                 left = self._less_drift(stamp, offsets.numbers[piece], rows[:, piece], cell)
                 found = list(map(sum_of_squares, left))
-                # False for NaN too.
-                if not max(found) <= LARGEST_PART**2 or not cell.largest_drift <= LARGEST_PART:
+                # The comparisons are false for NaN too.
+                if not (cell.largest_drift <= LARGEST_PART and all(one <= LARGEST_SQUARE for one in found)):
                     return None
                 out[:, piece] = left
                 totals = [a + b for a, b in zip(totals, left.sum(axis=1).tolist(), strict=True)]

@@ -13,12 +13,13 @@ from hgma_compensation.channels import AXES, CHANNELS, columns_of
 from hgma_compensation.effects.effect import Need, no_memory
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.stage import Consistency, KalmanStage
+from hgma_compensation.pipeline.cell_values import Cell, CellValues
 from hgma_compensation.pipeline.cells import ALONE, Places
 from hgma_compensation.pipeline.compensated import Compensated, joined, zeros
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG, Inputs
 from hgma_compensation.pipeline.ordinary_line import OrdinaryLine
 from hgma_compensation.pipeline.screening import increases
-from hgma_compensation.pipeline.slow_drift import Cell, CellValues, SlowDrift
+from hgma_compensation.pipeline.slow_drift import SlowDrift
 from hgma_compensation.pipeline.slow_samples import SlowSamples
 from hgma_compensation.pipeline.stretches import Cut, Stretches
 from hgma_compensation.pipeline.time_lines import TimeLines
@@ -92,8 +93,8 @@ class Pipeline:
         """Return the line on which samples lie that do nothing but go on from the newest one; None: look at each."""
         if self._filtered or self.stage.has_fast or not self._time_lines.single:
             return None
-        last = self._slow.last_cell(self.inputs)
-        return None if last is None else OrdinaryLine.of(self.inputs, *last, self._columns)
+        cell = None if self.newest is None else self._slow.last_cell(self.inputs, self.newest)
+        return None if cell is None else OrdinaryLine.of(self.inputs, cell.values, cell.until, self._columns)
 
     def go_on_to(self, line: OrdinaryLine, stamp: int) -> bool:
         """Move on to a stamp (ns) if a sample there is on the line and only goes on; return whether it does."""
@@ -103,8 +104,8 @@ class Pipeline:
         self._stretches.newest = stamp
         return True
 
-    def ordinary_cells(self, first: int, last: int) -> list[tuple[Cell, int]] | None:
-        """Return the cells, and where each ends, of samples from ``first`` to ``last`` (ns) that only go on.
+    def ordinary_cells(self, first: int, last: int) -> list[Cell] | None:
+        """Return the cells of samples from ``first`` to ``last`` (ns) that only go on.
 
         None where each sample must be looked at.
         """

@@ -5,16 +5,14 @@ h²/8 times the greatest second derivative of the drift with time in it (the cho
 see docs/METHOD.md for its size.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.effects.stage import EffectStage
-from hgma_compensation.pipeline.cells import ALONE, STEP, Cells, Places, cells_of
+from hgma_compensation.pipeline.cell_values import Cell, CellValues, KnownCells, Line
+from hgma_compensation.pipeline.cells import ALONE, STEP, Cells, Places, cells_from, cells_of
 from hgma_compensation.pipeline.inputs import Inputs
 from hgma_compensation.pipeline.status import temperature_status
 from hgma_compensation.stamps import Stamps
@@ -26,88 +24,16 @@ MOST_CELLS = 4
 """Beyond that many, cells are evaluated together."""
 
 
-@dataclass(frozen=True)
-class Line:
-    """Straight lines over m cells: value at the beginning of each and change until its end, (m, k)."""
-
-    first: Array
-    change: Array
-
-    @classmethod
-    def through(cls, ends: Array) -> "Line":
-        """Return the lines through values (2m, k): those at all beginnings, then those at all ends."""
-        first, last = np.split(ends, 2)
-        return cls(first, last - first)
-
-
-@dataclass(frozen=True)
-class CellValues:
-    """What holds in m cells.
-
-    inverse: (m,) 1/ns, one over the length. features: before clamping, the middle of the calibrated range where the
-    temperature is missing; k = 3. model, effects: k = c, drift of the model and that of the slow effects, if there are
-    any. drift: both together; k = c. status,
-    inside: (m,) at the beginning. mixed: (m,) whether status or range are others at the end, so that each sample must
-    be looked at. age, since_power_on: (m,) s at the beginning. unusable, missing: (m,), the same all through a cell.
-    """
-
-    begin: Stamps
-    inverse: Array
-    features: Line
-    model: Line
-    effects: Line | None
-    drift: Line
-    status: NDArray[np.uint8]
-    inside: NDArray[np.bool_]
-    mixed: NDArray[np.bool_]
-    age: Array
-    since_power_on: Array
-    unusable: NDArray[np.bool_]
-    missing: NDArray[np.bool_]
-
-    @cached_property
-    def ordinary(self) -> bool:
-        """Whether the temperature is what the calibration knows, in all cells and all through them."""
-        return not (self.status.any() or self.mixed.any())
-
-
-@dataclass(frozen=True)
-class Cell:
-    """One cell and its line in the form in which many samples are taken through it.
-
-    begin: ns. inverse: 1/ns. first, change: (c, 1). largest_drift: the greatest there is of any channel, without sign.
-    """
-
-    values: CellValues
-    begin: int
-    inverse: float
-    first: Array
-    change: Array
-    largest_drift: float
-
-    @classmethod
-    def of(cls, values: CellValues) -> "Cell":
-        """Return the cell (m = 1)."""
-        first, change = values.drift.first.T, values.drift.change.T
-        largest = float(np.maximum(np.abs(first), np.abs(first + change)).max())
-        return cls(values, int(values.begin[0]), float(values.inverse[0]), first, change, largest)
-
-
 class SlowDrift:
-    """Evaluates cells, and remembers the last one for a stream that goes through it sample by sample."""
+    """Evaluates cells; some of them ahead, for a stream that goes through them."""
 
     def __init__(self, calibration: Calibration, stage: EffectStage) -> None:
         """Take the calibration, and its effects."""
         self._settings, self._box = calibration.features, calibration.calibrated_range
         self._models, self._stage = [channel.drift for channel in calibration.channels], stage
-        self.forget()
-
-    def forget(self) -> None:
-        """Evaluate the next cell, whatever it is."""
         self._inputs: Inputs | None = None
-        self._last: CellValues | None = None
-        self._cell: Cell | None = None
-        self._version = self._begin = self._until = 0
+        self._version = 0
+        self._ahead = KnownCells()
 
     def at(self, inputs: Inputs, stamps: Stamps, *, ordered: bool = False) -> tuple[CellValues, Places]:
         """Return the cells in which samples (n > 0,) at stamps in ns lie, and the place of each sample.
@@ -115,51 +41,46 @@ class SlowDrift:
         ordered: whether the stamps are known to increase.
         """
         low, high = (stamps[0], stamps[-1]) if ordered or len(stamps) == 1 else (stamps.min(), stamps.max())
-        if self._last is not None and self._begin <= low and high < self._until and self._is_current(inputs):
-            return self._last, ALONE
+        cell = self._cell_of(inputs, int(low)) if int(low) // STEP == int(high) // STEP else None
+        if cell is not None and high < cell.until:
+            return cell.values, ALONE
         cells, places = cells_of(inputs, stamps)
-        values = self.evaluate(inputs, cells)
-        if places.index is None:
-            self._remember(inputs, cells, values)
-        return values, places
+        return self.evaluate(inputs, cells), places
 
-    def _remember(self, inputs: Inputs, cells: Cells, values: CellValues) -> None:
-        """Have one cell (m = 1) at hand for the samples that follow."""
-        self._begin, self._until = int(cells.begin[0]), int(cells.until[0])
-        inputs.hold(self._begin, self._until)
-        self._inputs, self._version, self._last, self._cell = inputs, inputs.version, values, None
-
-    def ordinary(self, inputs: Inputs, first: int, last: int) -> list[tuple[Cell, int]] | None:
-        """Return the cells from ``first`` to ``last`` (ns) and where each gives way to the next.
+    def ordinary(self, inputs: Inputs, first: int, last: int) -> list[Cell] | None:
+        """Return the cells from ``first`` to ``last`` (ns).
 
         None where there are many, or in one of them the temperature is not what the calibration knows.
         """
-        found: list[tuple[Cell, int]] = []
-        if last - first > MOST_CELLS * STEP:
-            return None
-        while not found or found[-1][1] <= last:
-            cell = self._cell_at(inputs, found[-1][1] if found else first)
+        found: list[Cell] = []
+        stamp = first
+        while stamp <= last:
+            cell = self._cell_of(inputs, stamp)
             if not cell.values.ordinary or len(found) == MOST_CELLS:
                 return None
-            found.append((cell, self._until))
+            found.append(cell)
+            stamp = cell.until
         return found
 
-    def _cell_at(self, inputs: Inputs, stamp: int) -> Cell:
-        """Return the cell of a stamp (ns), which is now the last one."""
-        if self._last is None or not self._begin <= stamp < self._until or not self._is_current(inputs):
-            self.at(inputs, np.array([stamp], dtype=np.int64))
-        if self._cell is None:
-            assert self._last is not None
-            self._cell = Cell.of(self._last)
-        return self._cell
+    def last_cell(self, inputs: Inputs, stamp: int) -> Cell | None:
+        """Return the cell of a stamp (ns), None where it is not known."""
+        return self._ahead.at(stamp) if self._is_current(inputs) else None
+
+    def _cell_of(self, inputs: Inputs, stamp: int) -> Cell:
+        """Return the cell of a stamp, ns."""
+        cell = self._ahead.at(stamp) if self._is_current(inputs) else None
+        if cell is None:
+            cells = cells_from(inputs, stamp, inputs.settled)
+            self._ahead = KnownCells.of(cells, self.evaluate(inputs, cells))
+            inputs.hold(int(cells.begin[0]), int(cells.until[-1]))
+            self._inputs, self._version = inputs, inputs.version
+            cell = self._ahead.at(stamp)
+        assert cell is not None
+        return cell
 
     def _is_current(self, inputs: Inputs) -> bool:
-        """Return whether the last cell is what would be evaluated now."""
+        """Return whether the cells at hand are what would be evaluated now."""
         return inputs is self._inputs and inputs.version == self._version
-
-    def last_cell(self, inputs: Inputs) -> tuple[CellValues, int] | None:
-        """Return the last cell that was evaluated alone, and the stamp (ns) at which it ends; None where it is old."""
-        return (self._last, self._until) if self._last is not None and self._is_current(inputs) else None
 
     def evaluate(self, inputs: Inputs, cells: Cells) -> CellValues:
         """Return what holds in cells."""
