@@ -18,7 +18,7 @@ from hgma_compensation.node.admission import Admission
 from hgma_compensation.node.outputs import States, header_of, publish_all
 from hgma_compensation.node.unreadable import read
 from hgma_compensation.pipeline.live import LiveCompensation
-from hgma_compensation.pipeline.live_samples import LiveResult
+from hgma_compensation.pipeline.live_result import LiveResult
 from hgma_compensation.pipeline.ordinary_block import BlockOffsets
 from hgma_compensation.pipeline.reasons import Skip
 from hgma_msgs.msg import AccelBlock
@@ -44,14 +44,14 @@ class BlockStream:
         """Compensate serialised messages; return the stamp (ns) of the last one, None where it cannot be read."""
         newest: int | None = None
         for raw in raws:
-            newest = self._take_ordinary(raw)
+            newest = self._take_whole(raw)
             if newest is None:
                 view = BlockView.of(raw)
                 newest = self._take_message(raw) if view is None else self._take_view(raw, view)
         return newest
 
-    def _take_ordinary(self, raw: bytes) -> int | None:
-        """Compensate a block like the one before, of which nothing is to be said; None: it is not, take it as any.
+    def _take_whole(self, raw: bytes) -> int | None:
+        """Compensate a block laid out like the one before as a whole; None where it must be looked at.
 
         The result is that of ``_take_view``.
         """
@@ -63,9 +63,9 @@ class BlockStream:
         if not self._live.compensate_block(stamp, offsets, layout.axes(raw), layout.axes(patched)):
             return None
         publish_all(self._publisher, [patched])
-        last = stamp + offsets.last
-        if not self._states.rest(last) and (result := self._live.last_result) is not None:
-            self._states.tell_last(last, result, lambda _: header_of(raw, layout.frame))
+        last, end = stamp + offsets.last, self._live.block_end
+        if end is not None and not (end.ordinary and self._states.rest(last)):
+            self._states.tell_last(last, end.result, lambda _: header_of(raw, layout.frame))
         return stamp
 
     def _take_view(self, raw: bytes, view: BlockView) -> int:

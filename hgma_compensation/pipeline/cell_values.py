@@ -79,8 +79,8 @@ def _part(field: Any, cells: slice) -> Any:
 class Cell:
     """One cell and its line in the form in which many samples are taken through it.
 
-    begin, until: ns. inverse: 1/ns. first, change: (c, 1). largest_drift: of any channel,
-    without sign.
+    begin, until: ns. inverse: 1/ns. first, change: (c, 1). largest_drift: of any channel, without sign. status: at the
+    beginning. uniform: whether status and range are the same for all samples.
     """
 
     values: CellValues
@@ -90,13 +90,17 @@ class Cell:
     first: Array
     change: Array
     largest_drift: float
+    status: int
+    uniform: bool
 
     @classmethod
     def of(cls, values: CellValues, until: int) -> "Cell":
         """Return the cell (m = 1) that gives way to the next at a stamp, ns."""
         first, change = values.drift.first.T, values.drift.change.T
         largest = float(np.maximum(np.abs(first), np.abs(first + change)).max())
-        return cls(values, int(values.begin[0]), until, float(values.inverse[0]), first, change, largest)
+        begin, inverse = int(values.begin[0]), float(values.inverse[0])
+        status, uniform = int(values.status[0]), not values.mixed[0]
+        return cls(values, begin, until, inverse, first, change, largest, status, uniform)
 
 
 class KnownCells:

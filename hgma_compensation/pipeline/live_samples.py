@@ -3,16 +3,14 @@
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import group_of
-from hgma_compensation.pipeline.cell_values import Cell
 from hgma_compensation.pipeline.compensated import Compensated, joined
+from hgma_compensation.pipeline.live_result import BlockEnd, LiveResult
 from hgma_compensation.pipeline.live_state import ACCELERATION
 from hgma_compensation.pipeline.observer import Observer
 from hgma_compensation.pipeline.ordinary_block import BlockOffsets, OrdinaryBlocks, Rows
@@ -27,38 +25,11 @@ FIRST_ROW = np.zeros(1, dtype=np.int64)
 """The row of a sample that comes alone."""
 
 
-@dataclass(frozen=True)
-class LiveResult:
-    """What became of the samples, and under which calibration; every sample of it belongs to that one."""
-
-    calibration: Calibration
-    compensated: Compensated
-
-
-@dataclass
-class BlockEnd:
-    """The last sample of an ordinary block, at a stamp in ns; what there is to say of it is computed when asked for."""
-
-    pipeline: Pipeline
-    stamp: int
-    cell: Cell
-    left: list[float]
-
-    @cached_property
-    def result(self) -> LiveResult:
-        """The result (n = 1)."""
-        return LiveResult(self.pipeline.calibration, self.pipeline.end_of_block(self.stamp, self.cell, self.left))
-
-    @property
-    def features(self) -> NDArray[np.float64]:
-        """Features (1, 3) before clamping."""
-        return self.result.compensated.features
-
-
 class LiveSamples(ABC):
     """Compensates, counts and skips samples under the pipeline in use.
 
-    stop_on: statuses of the temperature in which samples get no output. observer: of the pipeline in use.
+    stop_on: statuses of the temperature in which samples get no output. observer: of the pipeline in use. block_end: of
+    the last samples that were looked at, if they were a block that was taken as a whole.
     """
 
     def __init__(self) -> None:
@@ -66,7 +37,7 @@ class LiveSamples(ABC):
         self.counts: Counter[str] = Counter()
         self.received = self.compensated = 0
         self._last: LiveResult | None = None
-        self._end: BlockEnd | None = None
+        self.block_end: BlockEnd | None = None
         self._blocks = OrdinaryBlocks()
         self.stop_on: frozenset[TemperatureStatus] = frozenset()
         self.observer: Observer | None = None
@@ -82,11 +53,11 @@ class LiveSamples(ABC):
     @property
     def last_result(self) -> LiveResult | None:
         """What became of the last samples that were looked at; of a block of which nothing is to be said, its end."""
-        return self._end.result if self._end is not None else self._last
+        return self.block_end.result if self.block_end is not None else self._last
 
     @last_result.setter
     def last_result(self, result: LiveResult | None) -> None:
-        self._last, self._end = result, None
+        self._last, self.block_end = result, None
 
     @abstractmethod
     def _begin(self, source: str, stamp: int, value: float) -> None:
@@ -161,24 +132,26 @@ class LiveSamples(ABC):
         return found
 
     def compensate_block(self, stamp: int, offsets: BlockOffsets, axes: Rows, out: Rows) -> bool:
-        """Write a block (3, n) of the acceleration, compensated, to ``out`` (3, n) if nothing is to be said of it.
+        """Write a block (3, n) of the acceleration, compensated, to ``out`` (3, n) if it can be taken as a whole.
 
-        stamp: of the block, ns. Return False where there is: give it to ``compensate``, after which every bit, count
-        and later result is the same as after this. Axes that are not calibrated are not written.
+        stamp: of the block, ns. Return False where not, or where it gets no output: give it to ``compensate``, after
+        which every bit, count and later result is the same as after this. Axes that are not calibrated are not written.
         """
         pipeline, observer = self._pipeline, self.observer
         if pipeline is None or observer is None or pipeline.axes is None or not offsets.plain:
             return False
         last = stamp + offsets.last
-        cells = pipeline.ordinary_cells(stamp, last)
-        if cells is None or not observer.has_nothing_to_say(stamp, last):
+        cells = pipeline.uniform_cells(stamp, last)
+        if cells is None or any(cell.status in self.stop_on for cell in cells):
+            return False
+        if not observer.has_nothing_to_say(stamp, last):
             return False
         sums = self._blocks.take(stamp, offsets, axes[pipeline.axes], cells, out[pipeline.axes])
         if sums is None:
             return False
         pipeline.go_on_through(last)
-        self._end = BlockEnd(pipeline, last, cells[-1], sums.last)
-        observer.observe_block(stamp, last, sums, self._end)
+        self.block_end = BlockEnd(pipeline, last, cells[-1], sums.last)
+        observer.observe_block(stamp, last, sums, self.block_end)
         self.received += sums.count
         self.compensated += sums.count
         return True

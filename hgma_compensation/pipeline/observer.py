@@ -48,7 +48,7 @@ class Observer:
         self._rest.take(stamps, result.unfiltered, result, usable=usable)
 
     def has_nothing_to_say(self, first: int, last: int) -> bool:
-        """Return whether nothing is to be said of any ordinary sample from ``first`` to ``last`` (ns)."""
+        """Return whether nothing but its status is to be said of any sample from ``first`` to ``last`` (ns)."""
         newest = [(need, self._pipeline.inputs.updates(need).last) for need in self._pipeline.inputs.wanted]
         return not self._pipeline.cuts and all(
             at is not None and (at - first <= LONGEST_LEAD if need is None else last - at <= POWER_OFF)
@@ -56,7 +56,9 @@ class Observer:
         )
 
     def observe_block(self, first: int, last: int, sums: BlockSums, at: Temperatures) -> None:
-        """Take samples of which nothing is to be said, from ``first`` to ``last`` (ns), by their sums."""
+        """Take samples of which nothing else is to be said, from ``first`` to ``last`` (ns), by their sums."""
+        for status, count in sums.statuses.items():
+            self._counts[status_name(TemperatureStatus(status))] += count
         self._rest.take_sums(first, last, sums, at)
 
     def silent_until(self, until: int) -> bool:

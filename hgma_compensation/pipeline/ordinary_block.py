@@ -1,8 +1,9 @@
-"""Blocks of which nothing is to be said: less the drift of their cells, without an array that is made anew.
+"""Blocks of which nothing is to be said but of all samples alike: less the drift of their cells.
 
-The same formula as ``SlowSamples``, for samples that do nothing but go on in cells in which every status is OK.
+The same formula as ``SlowSamples``, for samples that do nothing but go on, without an array that is made anew.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -44,9 +45,13 @@ class BlockOffsets:
 
 @dataclass(frozen=True)
 class BlockSums:
-    """Of samples less their drift: count, sums and sums of squares (k,), and the last sample (k,)."""
+    """Of samples less their drift: sums and sums of squares (k,), and the last sample (k,).
+
+    statuses: how many samples have each TemperatureStatus but OK.
+    """
 
     count: int
+    statuses: Counter[int]
     totals: list[float]
     squares: list[float]
     last: list[float]
@@ -68,9 +73,12 @@ class OrdinaryBlocks:
         """
         count, begin = len(offsets), 0
         totals, squares = [0.0] * len(rows), [0.0] * len(rows)
+        statuses: Counter[int] = Counter()
         left: Array = np.empty((len(rows), 0))
         for cell in cells:
             end = count if stamp + offsets.last < cell.until else int(offsets.stamps.searchsorted(cell.until - stamp))
+            if cell.status:
+                statuses[cell.status] += end - begin
             while begin < end:
                 piece = slice(begin, min(begin + SERIAL, end))
                 left = self._less_drift(stamp, offsets.numbers[piece], rows[:, piece], cell)
@@ -82,7 +90,7 @@ class OrdinaryBlocks:
                 totals = [a + b for a, b in zip(totals, left.sum(axis=1).tolist(), strict=True)]
                 squares = [a + b for a, b in zip(squares, found, strict=True)]
                 begin = piece.stop
-        return BlockSums(count, totals, squares, left[:, -1].tolist())
+        return BlockSums(count, statuses, totals, squares, left[:, -1].tolist())
 
     def _less_drift(self, stamp: int, offsets: Array, rows: Rows, cell: Cell) -> Array:
         """Return the samples (k, n) of a piece in one cell less their drift; gone with the next piece."""

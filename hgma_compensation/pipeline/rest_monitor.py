@@ -90,10 +90,11 @@ class RestMonitor:
             self._close(last, at)
 
     def take_sums(self, first: int, last: int, sums: BlockSums, at: Temperatures) -> None:
-        """Take samples from ``first`` to ``last`` (ns) by their sums, with a temperature that the calibration knows."""
-        self._turn_to(first, usable=True)
-        self._add_sums(sums.count, sums.totals, sums.squares)
-        self._close(last, at)
+        """Take samples from ``first`` to ``last`` (ns) by their sums; usable are those without a status."""
+        self._turn_to(first, usable=not sums.statuses)
+        if not sums.statuses:
+            self._add_sums(sums.count, sums.totals, sums.squares)
+            self._close(last, at)
 
     def _turn_to(self, first: int, usable: bool) -> None:
         """Prepare for samples from a stamp (ns) on: is the block before still theirs, and the position?"""

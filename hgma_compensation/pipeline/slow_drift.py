@@ -47,16 +47,16 @@ class SlowDrift:
         cells, places = cells_of(inputs, stamps)
         return self.evaluate(inputs, cells), places
 
-    def ordinary(self, inputs: Inputs, first: int, last: int) -> list[Cell] | None:
+    def uniform(self, inputs: Inputs, first: int, last: int) -> list[Cell] | None:
         """Return the cells from ``first`` to ``last`` (ns).
 
-        None where there are many, or in one of them the temperature is not what the calibration knows.
+        None where there are many, or one in which not all that is said of the temperature is the same for all samples.
         """
         found: list[Cell] = []
         stamp = first
         while stamp <= last:
             cell = self._cell_of(inputs, stamp)
-            if not cell.values.ordinary or len(found) == MOST_CELLS:
+            if not cell.uniform or len(found) == MOST_CELLS:
                 return None
             found.append(cell)
             stamp = cell.until
