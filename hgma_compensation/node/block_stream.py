@@ -82,7 +82,8 @@ class BlockStream:
             return view.stamp
         if not count:
             return view.stamp
-        self._layout = BlockLayout(view)
+        if self._layout is None or not self._layout.holds(raw):
+            self._layout = BlockLayout(view)
         stamps = view.stamp + _offsets(count, view.sample_interval).stamps
         result = self._live.compensate(stamps, _widened(view))
         if result is not None:
