@@ -1,5 +1,7 @@
 """Between changes of its inputs the slow drift is a line: the cells, and how far the line is off."""
 
+from itertools import chain
+
 import numpy as np
 import pytest
 from builders import EPOCH, make_calibration, make_recording, make_stamps
@@ -7,6 +9,7 @@ from effect_calibrations import OFFERED, applied, with_all_inputs
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hgma_compensation.pipeline.cell_values import Line
 from hgma_compensation.pipeline.cells import STEP, Cells, cells_of
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.slow_drift import SlowDrift
@@ -38,6 +41,43 @@ def slow_calibrations(draw):
     random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     chosen = draw(st.lists(st.sampled_from(SLOW), max_size=3))
     return make_calibration(draw(st.integers(1, 5)), effects=[applied(c, e, random) for c, e in chosen])
+
+
+def bits(values):
+    """Return all that holds in cells."""
+    parts = [(line.first, line.change) for line in vars(values).values() if isinstance(line, Line)]
+    return [array.tobytes() for array in (*chain(*parts), *(v for v in vars(values).values() if hasattr(v, "tobytes")))]
+
+
+HAPPENINGS = st.lists(
+    st.one_of(
+        st.tuples(st.just("sample"), st.sampled_from([0.1, 0.1, 0.1, 1.0, 0.0, -0.05, 7.0, 699.75, 699.75, -300.0])),
+        st.tuples(st.just("bad"), st.sampled_from([0.1, 0.0])),
+        st.tuples(st.just("read"), st.one_of(st.floats(-0.3, 0.6), st.sampled_from([6.9, 7.1, 699.7, 699.7, 0.01]))),
+    ),
+    min_size=5,
+    max_size=40,
+)
+
+
+@settings(max_examples=100, deadline=None)
+@given(slow_calibrations(), HAPPENINGS)
+def test_cells_that_are_kept_are_those_that_would_be_evaluated(calibration, happenings):
+    """Whatever comes from the thermistor between two readings, at its pace, late, after a pause, or broken."""
+    pipeline = Pipeline(calibration, live=True)
+    kept, at = SlowDrift(calibration, pipeline.stage), EPOCH
+    pipeline.add_temperature(at, 20.0)
+    with np.errstate(divide="ignore"):
+        for number, (what, step) in enumerate(happenings):
+            if what == "read":
+                stamps = np.array([at + round(step * NANOSECONDS)], dtype=np.int64)
+                found, _ = kept.at(pipeline.inputs, stamps)
+                anew = kept.evaluate(pipeline.inputs, cells_of(pipeline.inputs, stamps)[0])
+                assert bits(found) == bits(anew)
+            else:
+                at += round(step * NANOSECONDS)
+                value = 20.0 + 0.01 * (number % 7) if what == "sample" else float("nan")
+                pipeline.add_temperature(at, value)
 
 
 SECONDS = st.lists(st.floats(-5.0, 130.0), min_size=1, max_size=30)

@@ -141,6 +141,66 @@ def test_imus_in_place_are_what_they_are_as_objects(raws, calibration, options, 
     assert in_place.live.received == len(raws)
 
 
+PLAIN = [
+    make_calibration(),
+    make_calibration(channels=CHANNELS[:3]),
+    make_calibration(channels=(CHANNELS[0], CHANNELS[2])),
+    make_calibration(channels=(CHANNELS[2], CHANNELS[1])),
+    make_calibration(channels=CHANNELS[1:4]),
+]
+"""Without filter: in order, with a gap between them, in another order, with a channel that blocks lack."""
+
+ODD = st.sampled_from([None] * 12 + [float("nan"), float("-inf"), 6e5, 2e6, -0.0])
+
+
+@st.composite
+def streams(draw):
+    """Draw blocks of one length that follow one another, nearly always, and thermistor samples between them."""
+    count, interval = draw(st.sampled_from([(1, 0.001), (40, 0.001), (700, 1e-5), (300, 0.004), (20_500, 1e-6)]))
+    random = np.random.default_rng(draw(st.integers(0, 9)))
+    stamp, said = EPOCH + draw(st.integers(0, 10**9)), []
+    for _ in range(draw(st.integers(3, 10))):
+        axes = random.normal(0.0, 5.0, (3, count)).astype(np.float32)
+        if (odd := draw(ODD)) is not None:
+            axes[draw(st.integers(0, 2)), draw(st.integers(0, count - 1))] = odd
+        message = stamped(AccelBlock(sample_interval=interval, x=axes[0], y=axes[1], z=axes[2]), stamp, "imu_link")
+        said.append(bytes(serialize_message(message)))
+        for late in draw(st.lists(st.sampled_from([0, 1, 900_000_000, -4_000_000_000]), max_size=2)):
+            said.append((stamp - late, 25.0 + draw(st.sampled_from([0.0, 0.01, 80.0, float("nan")]))))
+        stamp += round(count * interval * 1e9) + draw(st.sampled_from([0] * 12 + [1, -1, 6_000_000_000, -7 * 10**9]))
+    return said
+
+
+@given(streams(), st.sampled_from(PLAIN), OPTIONS)
+def test_blocks_that_only_go_on_are_what_they_are_as_objects(said, calibration, options):
+    in_place, objects = (Node(BlockStream, calibration, **options) for _ in range(2))
+    for one in said:
+        if isinstance(one, bytes):
+            in_place.stream.take([one])
+            objects.stream._take_message(one)
+        else:
+            in_place.live.add_temperature(*one)
+            objects.live.add_temperature(*one)
+    assert in_place.all() == objects.all()
+    last, other = (node.live.last_result for node in (in_place, objects))
+    if last is not None:
+        for name in ("values", "drift", "features", "status", "inside_range", "uncertainty"):
+            assert getattr(last.compensated, name)[-1].tobytes() == getattr(other.compensated, name)[-1].tobytes()
+
+
+def test_blocks_that_only_go_on_are_taken_without_a_second_look(monkeypatch):
+    node = Node(BlockStream, make_calibration(channels=CHANNELS[:3]))
+    sent = []
+    for number in range(30):
+        axes = np.full((3, 100), 0.1 * number, dtype=np.float32)
+        message = stamped(AccelBlock(sample_interval=0.001, x=axes[0], y=axes[1], z=axes[2]), EPOCH + number * 10**8)
+        sent.append(bytes(serialize_message(message)))
+    node.stream.take(sent[:1])
+    monkeypatch.setattr(node.live, "compensate", None)
+    node.stream.take(sent[1:])
+    assert len(node.outputs.sent) == node.live.compensated // 100 == 30
+
+
 @given(blocks(), st.sampled_from(CALIBRATIONS), OPTIONS)
 def test_blocks_in_place_are_what_they_are_as_objects(raws, calibration, options):
     in_place, objects = (Node(BlockStream, calibration, **options) for _ in range(2))

@@ -18,6 +18,9 @@ _LENGTH = struct.Struct("<I")
 _SECONDS = len(ENCAPSULATION)
 _NANOSECONDS = _SECONDS + 4
 _FRAME = _SECONDS + _STAMP.size
+STAMP = slice(_SECONDS, _FRAME)
+"""Where the stamp lies."""
+
 _TEXT = _FRAME + _LENGTH.size
 
 

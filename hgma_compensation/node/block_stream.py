@@ -9,7 +9,8 @@ from rclpy.lifecycle import LifecyclePublisher
 from rclpy.serialization import serialize_message
 
 from hgma_compensation import topics
-from hgma_compensation.cdr.block import BlockView
+from hgma_compensation.cdr.block import BlockLayout, BlockView
+from hgma_compensation.cdr.header import read_stamp
 from hgma_compensation.channels import AXES, CHANNELS, GROUPS
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.messages import block_offsets, block_samples, check_block, patch_block, stamp_of, widen_block
@@ -17,12 +18,16 @@ from hgma_compensation.node.admission import Admission
 from hgma_compensation.node.outputs import States, header_of, publish_all
 from hgma_compensation.node.unreadable import read
 from hgma_compensation.pipeline.live import LiveCompensation
-from hgma_compensation.pipeline.live_samples import LiveResult
+from hgma_compensation.pipeline.live_result import LiveResult
+from hgma_compensation.pipeline.ordinary_block import BlockOffsets
 from hgma_compensation.pipeline.reasons import Skip
 from hgma_msgs.msg import AccelBlock
 
-_offsets = lru_cache(maxsize=4)(block_offsets)
-"""A driver sends blocks of one length and interval, so that those of a few kinds serve all blocks."""
+
+@lru_cache(maxsize=4)
+def _offsets(count: int, interval: float) -> BlockOffsets:
+    """Return ``block_offsets``: a driver sends blocks of a few kinds, so that these serve all of them."""
+    return BlockOffsets(block_offsets(count, interval))
 
 
 class BlockStream:
@@ -33,14 +38,35 @@ class BlockStream:
     ) -> None:
         """Compensate with ``live``, publish here."""
         self._live, self._admission, self._publisher, self._states = live, admission, publisher, states
+        self._layout: BlockLayout | None = None
 
     def take(self, raws: Sequence[bytes]) -> int | None:
         """Compensate serialised messages; return the stamp (ns) of the last one, None where it cannot be read."""
         newest: int | None = None
         for raw in raws:
-            view = BlockView.of(raw)
-            newest = self._take_message(raw) if view is None else self._take_view(raw, view)
+            newest = self._take_whole(raw)
+            if newest is None:
+                view = BlockView.of(raw)
+                newest = self._take_message(raw) if view is None else self._take_view(raw, view)
         return newest
+
+    def _take_whole(self, raw: bytes) -> int | None:
+        """Compensate a block laid out like the one before as a whole; None where it must be looked at.
+
+        The result is that of ``_take_view``.
+        """
+        layout = self._layout
+        if layout is None or not layout.holds(raw) or self._admission.reason_to_skip(layout.frame) is not None:
+            return None
+        stamp, offsets = read_stamp(raw), _offsets(layout.count, layout.sample_interval)
+        patched = bytearray(raw)
+        if not self._live.compensate_block(stamp, offsets, layout.axes(raw), layout.axes(patched)):
+            return None
+        publish_all(self._publisher, [patched])
+        last, end = stamp + offsets.last, self._live.block_end
+        if end is not None and not (end.ordinary and self._states.rest(last)):
+            self._states.tell_last(last, end.result, lambda _: header_of(raw, layout.frame))
+        return stamp
 
     def _take_view(self, raw: bytes, view: BlockView) -> int:
         """Compensate a block of a recognised layout, with the result of ``_take_message``."""
@@ -56,7 +82,9 @@ class BlockStream:
             return view.stamp
         if not count:
             return view.stamp
-        stamps = view.stamp + _offsets(count, view.sample_interval)
+        if self._layout is None or not self._layout.holds(raw):
+            self._layout = BlockLayout(view)
+        stamps = view.stamp + _offsets(count, view.sample_interval).stamps
         result = self._live.compensate(stamps, _widened(view))
         if result is not None:
             publish_all(self._publisher, [view.patched(_axes(result))])

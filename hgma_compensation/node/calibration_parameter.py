@@ -8,6 +8,7 @@ from rclpy.parameter import Parameter
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.node import log
 from hgma_compensation.node.calibration_loader import CalibrationLoader
 from hgma_compensation.node.parameters import CALIBRATION_FILE
 from hgma_compensation.pipeline.prepared import Prepared
@@ -74,7 +75,7 @@ class CalibrationParameter:
 
     def _refuse(self, reason: str) -> None:
         self.refusal = reason
-        self._node.get_logger().error(reason)
+        log.error(self._node, reason)
         self._loader.serve()  # The log takes a sample's time.
 
     def _load(self, value: object) -> Prepared:

@@ -5,7 +5,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import Trigger
 
-from hgma_compensation.node import parameters
+from hgma_compensation.node import log, parameters
 from hgma_compensation.node.calibration_loader import CalibrationLoader
 from hgma_compensation.node.calibration_parameter import CalibrationParameter
 from hgma_compensation.node.diagnostics import DiagnosticReport
@@ -64,7 +64,7 @@ class CompensationNode(ManagedNode):
         if self._state != "unconfigured":
             return
         if not self._autostart:
-            self.get_logger().info("waiting to be configured: autostart is false")
+            log.info(self, "waiting to be configured: autostart is false")
             return
         if self.trigger_configure() is TransitionCallbackReturn.SUCCESS:
             self.trigger_activate()
@@ -89,9 +89,7 @@ class CompensationNode(ManagedNode):
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Begin to publish."""
         if self._live.calibration is None:
-            self.get_logger().warning(
-                "no calibration yet: set the parameter calibration_file or call ~/load_calibration"
-            )
+            log.warning(self, "no calibration yet: set the parameter calibration_file or call ~/load_calibration")
         self._enter("active")
         return super().on_activate(state)
 
@@ -124,7 +122,7 @@ class CompensationNode(ManagedNode):
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Return to unconfigured, from where the node can be configured again."""
         self._enter("finalized")  # where rclpy leads if cleaning up fails too
-        self.get_logger().error("closing all topics after the error; configure the node when its cause is removed")
+        log.error(self, "closing all topics after the error; configure the node when its cause is removed")
         return self.on_cleanup(state)
 
     def destroy_node(self) -> None:
@@ -153,7 +151,7 @@ class CompensationNode(ManagedNode):
         # The log, and rclpy's announcement and answer after it, take a sample's time each: what came goes before them.
         self.streams.serve()
         calibration = prepared.pipeline.calibration
-        self.get_logger().info(f"using calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
+        log.info(self, f"using calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
         self.streams.serve()
 
     def _on_load(

@@ -17,7 +17,6 @@ from hgma_compensation.messages import absent_groups, imu_values, patch_covarian
 from hgma_compensation.node.admission import Admission
 from hgma_compensation.node.outputs import States, header_of, publish_all
 from hgma_compensation.node.unreadable import read
-from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_compensation.pipeline.live_samples import single_sample
 from hgma_compensation.pipeline.reasons import Note, Skip
@@ -111,7 +110,7 @@ class ImuStream:
         valid = batch.covariances_valid(groups)[places]
         if not valid.all():
             self._live.counts[Note.COVARIANCE_INVALID.value] += int(np.count_nonzero(~valid))
-        patched = batch.patched(places, names, compensated.values, added_variances(compensated))
+        patched = batch.patched(places, names, compensated.values, compensated.added_variances())
         publish_all(self._publisher, unstacked(patched))
         self._states.tell(batch.stamps[places], result, lambda row: header_of(raws[places[row]], batch.frame))
 
@@ -146,14 +145,3 @@ class ImuStream:
             publish_all(self._publisher, [serialize_message(message)])
             self._states.tell_last(stamp, result, lambda _: message.header)
         return stamp
-
-
-def added_variances(result: Compensated) -> NDArray[np.float64] | None:
-    """Return by what (n, c) the variances of samples grow, as ``added_variance`` does for each.
-
-    NaN stands for nothing in a row; None for nothing at all.
-    """
-    if result.ordinary:
-        return None
-    unsure = result.status > 0
-    return np.where(unsure[:, None], result.uncertainty**2, np.nan)

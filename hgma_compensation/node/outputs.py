@@ -7,7 +7,7 @@ from builtin_interfaces.msg import Time
 from rclpy.lifecycle import LifecyclePublisher
 from std_msgs.msg import Header
 
-from hgma_compensation.pipeline.live_samples import LiveResult
+from hgma_compensation.pipeline.live_result import LiveResult
 from hgma_compensation.pipeline.state_fields import state_fields
 from hgma_compensation.pipeline.state_rate import StateRate
 from hgma_compensation.stamps import Stamps
@@ -17,7 +17,7 @@ _STAMP = struct.Struct("<iI")
 _STAMP_AT = 4  # behind the encapsulation
 
 
-def publish_all(publisher: LifecyclePublisher, raws: Iterable[bytes]) -> None:
+def publish_all(publisher: LifecyclePublisher, raws: Iterable[bytes | bytearray]) -> None:
     """Publish serialised messages in their order, nothing where the node is not active."""
     if not publisher.is_activated:
         return

@@ -9,6 +9,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.node import log
 from hgma_compensation.pipeline.state_rate import DEFAULT_RATE
 
 Value = bool | int | float | str
@@ -180,4 +181,4 @@ def warn_of_unknown(node: Node, *, qos: bool) -> None:
     declared = list(node.get_parameters_by_prefix(""))
     for name, near in unknown_names(names, declared).items():
         hint = f"did you mean {near}?" if near else "see ros2 param list"
-        node.get_logger().warning(f"there is no parameter {name}, its value has no effect: {hint}")
+        log.warning(node, f"there is no parameter {name}, its value has no effect: {hint}")

@@ -7,6 +7,7 @@ from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallba
 from rclpy.node import Node
 from rclpy.qos import QoSCompatibility, qos_check_compatible, qos_policy_name_from_kind
 
+from hgma_compensation.node import log
 from hgma_compensation.node.parameters import QOS_PREFIX
 from hgma_compensation.pipeline.transport import TRANSPORT_REMEDIES, incompatible_name
 
@@ -72,7 +73,5 @@ class QosEvents:
             return
         self._said.add((topic, policy))
         name = self._node.resolve_topic_name(topic)
-        self._node.get_logger().warning(
-            f"{sentence.format(name)} (policy {policy}); "
-            f"change it there, or set {QOS_PREFIX}{name}.{side}.{policy} here"
-        )
+        remedy = f"change it there, or set {QOS_PREFIX}{name}.{side}.{policy} here"
+        log.warning(self._node, f"{sentence.format(name)} (policy {policy}); {remedy}")

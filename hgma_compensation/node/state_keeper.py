@@ -7,6 +7,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.node import log
 from hgma_compensation.node.parameters import STATE_FILE, STATE_MAX_AGE, STATE_PERIOD
 from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_compensation.pipeline.state_file import read_state, remove_litter
@@ -28,7 +29,7 @@ class StateKeeper:
 
     def __init__(self, node: Node, live: LiveCompensation) -> None:
         """Take the parameters; nothing is read before ``begin``."""
-        self._live, self._logger = live, node.get_logger()
+        self._live, self._node = live, node
         path, self._period, self._max_age = (
             node.get_parameter(row.name).value for row in (STATE_FILE, STATE_PERIOD, STATE_MAX_AGE)
         )
@@ -52,10 +53,10 @@ class StateKeeper:
             state = read_state(self._path)
         except RefusedError as refusal:
             self._refusal = str(refusal)
-            self._logger.warning(self._refusal)
+            log.warning(self._node, self._refusal)
             return
         if state is None:
-            self._logger.info(f"{self._path} is not there yet: memories begin without a past")
+            log.info(self._node, f"{self._path} is not there yet: memories begin without a past")
         else:
             self._live.offer(state, self._max_age)
 
@@ -135,12 +136,12 @@ class StateKeeper:
             self._said_past = past
             # Two calls, not one chosen: rclpy allows each place in the code a single severity.
             if past in DROPPED:
-                self._logger.warning(SAID[past])
+                log.warning(self._node, SAID[past])
             else:
-                self._logger.info(SAID[past])
+                log.info(self._node, SAID[past])
         if problem != self._said_problem and not self._saver.busy:
             self._said_problem = problem
             if problem:
-                self._logger.warning(f"the memory is not kept, the stream goes on: {problem}")
+                log.warning(self._node, f"the memory is not kept, the stream goes on: {problem}")
             else:
-                self._logger.info(f"the memory is kept in {self._path} again")
+                log.info(self._node, f"the memory is kept in {self._path} again")

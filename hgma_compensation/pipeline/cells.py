@@ -17,6 +17,10 @@ STEP = 500_000_000
 """Longest cell, ns: the temperature moves by less than a tenth of a degree in it."""
 
 
+MOST = 64
+"""Cells that are evaluated before there is a sample in them."""
+
+
 @dataclass(frozen=True)
 class Cells:
     """begin, end: (m,) ns, between which a cell's line is drawn. until: (m,) ns, where the next cell takes over."""
@@ -41,6 +45,10 @@ class Places:
         return Places(None if self.index is None else self.index[rows], None)
 
 
+ALONE = Places(None, None)
+"""All in one cell."""
+
+
 def cells_of(inputs: Inputs, stamps: Stamps) -> tuple[Cells, Places]:
     """Return the cells that hold the samples (n > 0,) at stamps in ns, and the place of each sample."""
     low, high = int(stamps.min()), int(stamps.max())
@@ -50,13 +58,22 @@ def cells_of(inputs: Inputs, stamps: Stamps) -> tuple[Cells, Places]:
     index = begin.searchsorted(stamps, side="right") - 1
     if len(stamps) == 1 or low >= begin[index_high := int(begin.searchsorted(high, side="right")) - 1]:
         at = slice(int(index[0]), int(index[0]) + 1)
-        return _cells(begin, grid, at), Places(None, None)
+        return _cells(begin, grid, at), ALONE
     counts = np.bincount(index, minlength=index_high + 1)
     held = np.flatnonzero(counts)
     new = np.zeros(len(counts), dtype=np.int64)
     new[held] = np.arange(len(held))
     in_order = bool((index[1:] >= index[:-1]).all())
     return _cells(begin, grid, held), Places(new[index], counts[held] if in_order else None)
+
+
+def cells_from(inputs: Inputs, stamp: int, until: int) -> Cells:
+    """Return the cell of a stamp (ns) and those after it that end by ``until``, at most MOST of them."""
+    grid = np.arange(stamp // STEP, max(min(until, stamp + STEP), stamp) // STEP + 2) * STEP
+    begin = np.union1d(grid[:-1], inputs.changes(int(grid[0]), int(grid[-1])))
+    first = int(begin.searchsorted(stamp, side="right")) - 1
+    ended = int(begin.searchsorted(until, side="right")) - 1
+    return _cells(begin, grid, slice(first, max(min(ended, first + MOST), first + 1)))
 
 
 def _cells(begin: Stamps, grid: Stamps, held: NDArray[np.int64] | slice) -> Cells:

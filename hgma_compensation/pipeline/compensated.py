@@ -109,6 +109,12 @@ class Compensated:
             return None
         return np.asarray(self.uncertainty[row] ** 2)
 
+    def added_variances(self) -> Array | None:
+        """Return ``added_variance`` for all samples (n, c), NaN for nothing in a row; None for nothing at all."""
+        if self.ordinary:
+            return None
+        return np.where((self.status > 0)[:, None], self.uncertainty**2, np.nan)
+
     def take(self, rows: NDArray[np.int64]) -> "Compensated":
         """Return the results of some samples (k,)."""
         drift, innovation = (None if array is None else array[rows] for array in (self._drift, self._innovation))

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 ACCELERATION_LAG = 60.0
 """Seconds by which a live accelerometer may lag its thermistor before history is dropped."""
 
+_FAR_AHEAD = to_nanoseconds(0.5 * ACCELERATION_LAG)
+
 PLAUSIBLE_VOLTS = (0.0, 100.0)
 """Outside of this a supply voltage is no measurement."""
 
@@ -30,7 +32,7 @@ class Inputs:
     """The slow inputs of one sensor, in any interleaving; what is read at a stamp is decided by stamps.
 
     wanted: those that are read, None for the thermistor. version: another number once anything has been added or
-    forgotten.
+    forgotten that readings which are held may depend on.
     """
 
     def __init__(
@@ -38,6 +40,7 @@ class Inputs:
     ) -> None:
         """Start without history; lag: s that the accelerometer may lag by before history is dropped, None: never."""
         self.version = 0
+        self._held: tuple[int, int] | None = None
         self._settings, self._box, self._stage = settings, box, stage
         self._latency = to_nanoseconds(settings.latency)
         delays = {settings.delay} if settings.product is Product.DELAY else set()
@@ -61,8 +64,30 @@ class Inputs:
 
     def add(self, need: Need | None, stamp: int, value: float) -> Sample:
         """Take a sample of an input, None for the thermistor (ns, °C or V), and say what became of it."""
-        self.version += 1
-        return self._series(need).add(stamp, value)
+        series = self._series(need)
+        leaves = self._leaves_readings(series.updates, stamp)
+        sample = series.add(stamp, value)
+        if sample is not Sample.USED or not leaves:
+            self.version += 1
+        return sample
+
+    def hold(self, begin: int, until: int) -> None:
+        """Take note that what was read from ``begin`` to ``until`` (ns) is used again while ``version`` is the same."""
+        self._held = begin, until
+
+    @property
+    def settled(self) -> int:
+        """Stamp in ns before which readings are what they will be, as long as every input only goes on."""
+        newest = [self.updates(need).last for need in self.wanted]
+        return min((last for last in newest if last is not None), default=0) + self._latency
+
+    def _leaves_readings(self, updates: Updates, stamp: int) -> bool:
+        """Return whether a sample at a stamp (ns), if it is used, is too young for any reading that is held."""
+        if self._held is None or updates.last is None or updates.is_power_on(stamp):
+            return False
+        begin, until = self._held
+        # One that is far ahead may push out history that readings need.
+        return stamp > updates.last and until - self._latency <= stamp <= begin + _FAR_AHEAD
 
     def updates(self, need: Need | None) -> Updates:
         """Return what became of the samples of an input, None for the thermistor."""

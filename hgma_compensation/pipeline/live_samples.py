@@ -3,7 +3,6 @@
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +10,10 @@ from numpy.typing import NDArray
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import group_of
 from hgma_compensation.pipeline.compensated import Compensated, joined
+from hgma_compensation.pipeline.live_result import BlockEnd, LiveResult
 from hgma_compensation.pipeline.live_state import ACCELERATION
 from hgma_compensation.pipeline.observer import Observer
+from hgma_compensation.pipeline.ordinary_block import BlockOffsets, OrdinaryBlocks, Rows
 from hgma_compensation.pipeline.ordinary_line import OrdinaryLine
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.reasons import Note, Skip
@@ -24,25 +25,20 @@ FIRST_ROW = np.zeros(1, dtype=np.int64)
 """The row of a sample that comes alone."""
 
 
-@dataclass(frozen=True)
-class LiveResult:
-    """What became of the samples, and under which calibration; every sample of it belongs to that one."""
-
-    calibration: Calibration
-    compensated: Compensated
-
-
 class LiveSamples(ABC):
     """Compensates, counts and skips samples under the pipeline in use.
 
-    stop_on: statuses of the temperature in which samples get no output. observer: of the pipeline in use.
+    stop_on: statuses of the temperature in which samples get no output. observer: of the pipeline in use. block_end: of
+    the last samples that were looked at, if they were a block that was taken as a whole.
     """
 
     def __init__(self) -> None:
         """Start without a calibration."""
         self.counts: Counter[str] = Counter()
         self.received = self.compensated = 0
-        self.last_result: LiveResult | None = None
+        self._last: LiveResult | None = None
+        self.block_end: BlockEnd | None = None
+        self._blocks = OrdinaryBlocks()
         self.stop_on: frozenset[TemperatureStatus] = frozenset()
         self.observer: Observer | None = None
         self._pipeline: Pipeline | None = None
@@ -53,6 +49,15 @@ class LiveSamples(ABC):
     def calibration(self) -> Calibration | None:
         """The calibration in use."""
         return self._pipeline.calibration if self._pipeline else None
+
+    @property
+    def last_result(self) -> LiveResult | None:
+        """What became of the last samples that were looked at; of a block of which nothing is to be said, its end."""
+        return self.block_end.result if self.block_end is not None else self._last
+
+    @last_result.setter
+    def last_result(self, result: LiveResult | None) -> None:
+        self._last, self.block_end = result, None
 
     @abstractmethod
     def _begin(self, source: str, stamp: int, value: float) -> None:
@@ -72,12 +77,12 @@ class LiveSamples(ABC):
         if reason is not None:
             self._skip(reason, len(stamps))
             return None
-        self.last_result = self._run(stamps, values)
-        if self.stop_on and any(status in self.stop_on for status in self.last_result.compensated.status.tolist()):
+        self.last_result = result = self._run(stamps, values)
+        if self.stop_on and self._stops(result.compensated):
             self._skip(Skip.STOPPED, len(stamps))
             return None
         self.compensated += len(stamps)
-        return self.last_result
+        return result
 
     def compensate_each(
         self, stamps: Stamps, values: NDArray[np.float64]
@@ -126,10 +131,39 @@ class LiveSamples(ABC):
         self.compensated += 1
         return found
 
+    def compensate_block(self, stamp: int, offsets: BlockOffsets, axes: Rows, out: Rows) -> bool:
+        """Write a block (3, n) of the acceleration, compensated, to ``out`` (3, n) if it can be taken as a whole.
+
+        stamp: of the block, ns. Return False where not, or where it gets no output: give it to ``compensate``, after
+        which every bit, count and later result is the same as after this. Axes that are not calibrated are not written.
+        """
+        pipeline, observer = self._pipeline, self.observer
+        if pipeline is None or observer is None or pipeline.axes is None or not offsets.plain:
+            return False
+        last = stamp + offsets.last
+        cells = pipeline.uniform_cells(stamp, last)
+        if cells is None or any(cell.status in self.stop_on for cell in cells):
+            return False
+        if not observer.has_nothing_to_say(stamp, last):
+            return False
+        sums = self._blocks.take(stamp, offsets, axes[pipeline.axes], cells, out[pipeline.axes])
+        if sums is None:
+            return False
+        pipeline.go_on_through(last)
+        self.block_end = BlockEnd(pipeline, last, cells[-1], sums.last)
+        observer.observe_block(stamp, last, sums, self.block_end)
+        self.received += sums.count
+        self.compensated += sums.count
+        return True
+
     def _draw_line(self, pipeline: Pipeline, observer: Observer) -> None:
         """Draw the line for the samples that follow, if nothing will have to be said of them."""
         line = pipeline.ordinary_line()
         self._line = line if line is not None and observer.silent_until(line.until) else None
+
+    def _stops(self, result: Compensated) -> bool:
+        """Return whether the temperature of any sample is in a status in which there is no output."""
+        return not result.ordinary and any(bool((result.status == int(status)).any()) for status in self.stop_on)
 
     def _usable_rows(self, stamps: Stamps, read: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the rows (k,) of samples that are usable, read (n, r) being what is read of them; count the others."""

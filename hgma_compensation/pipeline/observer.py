@@ -10,9 +10,10 @@ from hgma_compensation.effects.effect import Need
 from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.pipeline.health import Health
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG
+from hgma_compensation.pipeline.ordinary_block import BlockSums
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.reasons import MISSING, STALE, Note, status_name
-from hgma_compensation.pipeline.rest_monitor import RestMonitor
+from hgma_compensation.pipeline.rest_monitor import RestMonitor, Temperatures
 from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_compensation.stamps import Stamps, to_nanoseconds
 from hgma_compensation.temperature.updates import POWER_OFF
@@ -45,6 +46,20 @@ class Observer:
             if count:
                 self._counts[note.value] += count
         self._rest.take(stamps, result.unfiltered, result, usable=usable)
+
+    def has_nothing_to_say(self, first: int, last: int) -> bool:
+        """Return whether nothing but its status is to be said of any sample from ``first`` to ``last`` (ns)."""
+        newest = [(need, self._pipeline.inputs.updates(need).last) for need in self._pipeline.inputs.wanted]
+        return not self._pipeline.cuts and all(
+            at is not None and (at - first <= LONGEST_LEAD if need is None else last - at <= POWER_OFF)
+            for need, at in newest
+        )
+
+    def observe_block(self, first: int, last: int, sums: BlockSums, at: Temperatures) -> None:
+        """Take samples of which nothing else is to be said, from ``first`` to ``last`` (ns), by their sums."""
+        for status, count in sums.statuses.items():
+            self._counts[status_name(TemperatureStatus(status))] += count
+        self._rest.take_sums(first, last, sums, at)
 
     def silent_until(self, until: int) -> bool:
         """Return whether no sample from the newest one to a stamp (ns) has anything to be said of but itself."""

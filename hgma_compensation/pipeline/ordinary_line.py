@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from hgma_compensation.calibration.effect_encoding import LARGEST_ACCELERATION
+from hgma_compensation.pipeline.cell_values import CellValues
 from hgma_compensation.pipeline.inputs import Inputs
-from hgma_compensation.pipeline.slow_drift import CellValues
 
 
 @dataclass(frozen=True)

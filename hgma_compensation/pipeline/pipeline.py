@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.channels import CHANNELS, columns_of
+from hgma_compensation.channels import AXES, CHANNELS, columns_of
 from hgma_compensation.effects.effect import Need, no_memory
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.kalman.stage import Consistency, KalmanStage
+from hgma_compensation.kalman.stage import Consistency
+from hgma_compensation.pipeline.cell_values import Cell, CellValues
+from hgma_compensation.pipeline.cells import ALONE, Places
 from hgma_compensation.pipeline.compensated import Compensated, joined, zeros
+from hgma_compensation.pipeline.filters import Filters
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG, Inputs
 from hgma_compensation.pipeline.ordinary_line import OrdinaryLine
 from hgma_compensation.pipeline.screening import increases
@@ -28,6 +31,13 @@ from hgma_compensation.temperature.track import Sample, TemperatureTrack
 
 CHUNK = 65536
 """Samples evaluated at once: bounds the memory of the hidden layer."""
+
+
+def _axes(columns: list[int]) -> slice | None:
+    """Return columns of CHANNELS as a slice of AXES, None where they are none."""
+    step = columns[1] - columns[0] if len(columns) > 1 else 1
+    inside = slice(columns[0], columns[-1] + 1, step) if step > 0 and columns[-1] < len(AXES) else slice(0)
+    return inside if list(range(len(AXES)))[inside] == columns else None
 
 
 class Pipeline:
@@ -48,17 +58,14 @@ class Pipeline:
         lag = ACCELERATION_LAG if live else lag
         make = partial(Inputs, calibration.features, calibration.calibrated_range, self.stage, lag=lag)
         self._time_lines = TimeLines(make, live=live)
-        self._filters = [
-            None if channel.filter.noise is None else KalmanStage(channel.filter, channel.reference)
-            for channel in calibration.channels
-        ]
-        self._filtered = any(stage is not None for stage in self._filters)
+        self._filters = Filters(calibration)
         self._uncertainty = DriftUncertainty(calibration)
         self._slow = SlowDrift(calibration, self.stage)
         self._stretches = Stretches()
-        self._before_gap: tuple[list[KalmanStage | None], list[Any]] = (self._filters, self.stage.snapshot())
+        self._before_gap: tuple[Filters, list[Any]] = (self._filters, self.stage.snapshot())
         self.cuts: Counter[Cut] = Counter()
         self._columns, self.columns_read = columns_of(calibration.names), columns_of(calibration.channels_read)
+        self._axes = _axes(self._columns) if set(self._columns) == set(self.columns_read) else None
 
     @property
     def inputs(self) -> Inputs:
@@ -73,18 +80,18 @@ class Pipeline:
     @property
     def gate_openings(self) -> int:
         """How often real acceleration has opened the gate of any channel's Kalman stage."""
-        return sum(stage.openings for stage in self._filters if stage is not None)
+        return self._filters.openings
 
     def take_consistency(self) -> list[Consistency]:
         """Return for each channel what the innovations of its Kalman stage were like since the last call."""
-        return [Consistency() if stage is None else stage.take_consistency() for stage in self._filters]
+        return self._filters.take_consistency()
 
     def ordinary_line(self) -> OrdinaryLine | None:
         """Return the line on which samples lie that do nothing but go on from the newest one; None: look at each."""
-        if self._filtered or self.stage.has_fast or not self._time_lines.single:
+        if self._filters.used or self.stage.has_fast or not self._time_lines.single:
             return None
-        last = self._slow.last_cell(self.inputs)
-        return None if last is None else OrdinaryLine.of(self.inputs, *last, self._columns)
+        cell = None if self.newest is None else self._slow.last_cell(self.inputs, self.newest)
+        return None if cell is None else OrdinaryLine.of(self.inputs, cell.values, cell.until, self._columns)
 
     def go_on_to(self, line: OrdinaryLine, stamp: int) -> bool:
         """Move on to a stamp (ns) if a sample there is on the line and only goes on; return whether it does."""
@@ -94,9 +101,40 @@ class Pipeline:
         self._stretches.newest = stamp
         return True
 
+    def uniform_cells(self, first: int, last: int) -> list[Cell] | None:
+        """Return the cells of samples from ``first`` to ``last`` (ns) that only go on.
+
+        None where each sample must be looked at.
+        """
+        if self._filters.used or self.stage.has_fast or self.cuts or not self._time_lines.single:
+            return None
+        return self._slow.uniform(self.inputs, first, last) if self._stretches.only_go_on(first, last) else None
+
+    def go_on_through(self, last: int) -> None:
+        """Move on to the last (ns) of samples in ``uniform_cells``."""
+        self._stretches.newest = last
+
+    def end_of_block(self, stamp: int, cell: Cell, left: list[float]) -> Compensated:
+        """Return what there is to say of the last sample of a block, at a stamp (ns), left (c,) without its drift."""
+        said = self._said(np.array([stamp], dtype=np.int64), cell.values, ALONE)
+        values = np.array([left])
+        return Compensated(values, values, said)
+
+    def _said(self, stamps: Stamps, cells: CellValues, places: Places) -> SlowSamples:
+        calibration = self.calibration
+        return SlowSamples(stamps, cells, places, calibration.features, calibration.calibrated_range, self._uncertainty)
+
+    @property
+    def axes(self) -> slice | None:
+        """Which of CHANNELS are calibrated, and nothing else is read, if these are axes of the acceleration in order.
+
+        None where that cannot be said by a slice.
+        """
+        return self._axes
+
     def only_go_on(self, stamps: Stamps) -> bool:
         """Return whether increasing stamps (n > 0,) in ns follow on those before without a gap."""
-        return self._stretches.only_go_on(stamps)
+        return self._stretches.only_go_on(int(stamps[0]), int(stamps[-1]))
 
     def columns_of(self, imu: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the calibrated channels (n, c) out of columns CHANNELS (n, 6), a view where they lie side by side."""
@@ -140,9 +178,7 @@ class Pipeline:
     def forget_acceleration(self) -> None:
         """Let filters and memories of the acceleration begin anew; the slow inputs stay."""
         self.stage.reset()
-        for stage in self._filters:
-            if stage is not None:
-                stage.reset()
+        self._filters.reset()
 
     def add(self, need: Need | None, stamp: int, value: float) -> Sample:
         """Take a sample of an input, None for the thermistor (ns, °C or V), and say what became of it."""
@@ -210,8 +246,7 @@ class Pipeline:
             self._filters = self._before_gap[0]
             self.stage.restore(self._before_gap[1])
         elif cut is Cut.SET_BACK:
-            for stage in filter(None, self._filters):
-                stage.set_back(stamp)
+            self._filters.set_back(stamp)
         self._time_lines.follow(stamp)
         if cut not in (Cut.NONE, Cut.GAP):
             self.cuts[cut] += 1
@@ -226,15 +261,12 @@ class Pipeline:
         self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None, ordered: bool
     ) -> Compensated:
         """Compensate one stretch without a jump back in time."""
-        cells, places = self._slow.at(self.inputs, stamps, ordered=ordered)
-        calibration = self.calibration
-        slow = SlowSamples(stamps, cells, places, calibration.features, calibration.calibrated_range, self._uncertainty)
+        slow = self._said(stamps, *self._slow.at(self.inputs, stamps, ordered=ordered))
         drift = self._with_fast_effects(stamps, values, imu, slow) if self.stage.has_fast else None
         unfiltered = slow.taken_from(values) if drift is None else values - drift
-        if not self._filtered:
+        if not self._filters.used:
             return Compensated(unfiltered, unfiltered, slow, drift)
-        corrected, innovation = unfiltered.copy(order="K"), np.zeros_like(unfiltered)
-        self._filter(stamps, corrected, innovation)
+        corrected, innovation = self._filters.run(stamps, unfiltered)
         return Compensated(corrected, unfiltered, slow, drift, innovation)
 
     def _with_fast_effects(
@@ -248,12 +280,6 @@ class Pipeline:
         effects = slow.effects
         self.stage.add_fast(effects, at, memory)
         return slow.model + effects
-
-    def _filter(self, stamps: Stamps, corrected: NDArray[np.float64], innovation: NDArray[np.float64]) -> None:
-        """Run the Kalman stage in place over one stretch (m, c)."""
-        for column, stage in enumerate(self._filters):
-            if stage is not None:
-                corrected[:, column], innovation[:, column] = stage.run(stamps, corrected[:, column])
 
     def snapshot(self) -> dict[str, Any]:
         """Return, as plain JSON, all that later drift depends on; the Kalman stages begin anew after it."""

@@ -5,6 +5,7 @@ the residual moves while the temperature does, or its level is off by more than 
 """
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration
 from hgma_compensation.channels import GROUPS, group_of
+from hgma_compensation.pipeline.ordinary_block import BlockSums
 from hgma_compensation.pipeline.screening import sum_of_squares
 from hgma_compensation.stamps import Stamps, to_nanoseconds
 
@@ -82,13 +84,28 @@ class RestMonitor:
         usable: whether the temperature was what the calibration knows; what is not is not judged.
         """
         first, last = int(stamps[0]), int(stamps[-1])
-        if not usable or not 0 <= first - self._start < 2 * BLOCK:
-            if not usable or self._count:
-                self._leave()
-            self._begin(first)
-            if not usable:
-                return
-        self._add(corrected)
+        self._turn_to(first, usable)
+        if usable:
+            self._add(corrected)
+            self._close(last, at)
+
+    def take_sums(self, first: int, last: int, sums: BlockSums, at: Temperatures) -> None:
+        """Take samples from ``first`` to ``last`` (ns) by their sums; usable are those without a status."""
+        self._turn_to(first, usable=not sums.statuses)
+        if not sums.statuses:
+            self._add_sums(sums.count, sums.totals, sums.squares)
+            self._close(last, at)
+
+    def _turn_to(self, first: int, usable: bool) -> None:
+        """Prepare for samples from a stamp (ns) on: is the block before still theirs, and the position?"""
+        if usable and 0 <= first - self._start < 2 * BLOCK:
+            return
+        if not usable or self._count:
+            self._leave()
+        self._begin(first)
+
+    def _close(self, last: int, at: Temperatures) -> None:
+        """End the block if samples up to a stamp (ns) fill it."""
         if last - self._start >= BLOCK:
             self._end_block(float(at.features[-1, 0]))
             self._begin(last)
@@ -109,13 +126,14 @@ class RestMonitor:
         """Add samples (n, c) to the sums, of their differences from the references and the squares of these."""
         if len(corrected) == 1:
             return self.add_one(corrected[0].tolist())
-        count = len(corrected)
+        columns = corrected.T
+        self._add_sums(len(corrected), [float(c.sum()) for c in columns], list(map(sum_of_squares, columns)))
+
+    def _add_sums(self, count: int, totals: Sequence[float], squares: Sequence[float]) -> None:
         self._count += count
-        for number, reference in enumerate(self._references):
-            column = corrected[:, number]
-            total, squares = float(column.sum()), sum_of_squares(column)
+        for number, (reference, total) in enumerate(zip(self._references, totals, strict=True)):
             self._sum[number] += total - count * reference
-            self._squares[number] += squares - reference * (2.0 * total - count * reference)
+            self._squares[number] += squares[number] - reference * (2.0 * total - count * reference)
 
     def _begin(self, stamp: int) -> None:
         self._start, self._count = stamp, 0

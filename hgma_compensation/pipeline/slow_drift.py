@@ -5,15 +5,14 @@ h²/8 times the greatest second derivative of the drift with time in it (the cho
 see docs/METHOD.md for its size.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.effects.stage import EffectStage
-from hgma_compensation.pipeline.cells import Cells, Places, cells_of
+from hgma_compensation.pipeline.cell_values import Cell, CellValues, KnownCells, Line
+from hgma_compensation.pipeline.cells import ALONE, STEP, Cells, Places, cells_from, cells_of
 from hgma_compensation.pipeline.inputs import Inputs
 from hgma_compensation.pipeline.status import temperature_status
 from hgma_compensation.stamps import Stamps
@@ -21,66 +20,20 @@ from hgma_compensation.temperature.features import read_features
 
 Array = NDArray[np.float64]
 
-
-@dataclass(frozen=True)
-class Line:
-    """Straight lines over m cells: value at the beginning of each and change until its end, (m, k)."""
-
-    first: Array
-    change: Array
-
-    @classmethod
-    def through(cls, ends: Array) -> "Line":
-        """Return the lines through values (2m, k): those at all beginnings, then those at all ends."""
-        first, last = np.split(ends, 2)
-        return cls(first, last - first)
-
-
-@dataclass(frozen=True)
-class CellValues:
-    """What holds in m cells.
-
-    inverse: (m,) 1/ns, one over the length. features: before clamping, the middle of the calibrated range where the
-    temperature is missing; k = 3. model, effects: k = c, drift of the model and that of the slow effects, if there are
-    any. drift: both together; k = c. status,
-    inside: (m,) at the beginning. mixed: (m,) whether status or range are others at the end, so that each sample must
-    be looked at. age, since_power_on: (m,) s at the beginning. unusable, missing: (m,), the same all through a cell.
-    """
-
-    begin: Stamps
-    inverse: Array
-    features: Line
-    model: Line
-    effects: Line | None
-    drift: Line
-    status: NDArray[np.uint8]
-    inside: NDArray[np.bool_]
-    mixed: NDArray[np.bool_]
-    age: Array
-    since_power_on: Array
-    unusable: NDArray[np.bool_]
-    missing: NDArray[np.bool_]
-
-    @property
-    def ordinary(self) -> bool:
-        """Whether the temperature is what the calibration knows, in all cells and all through them."""
-        return not (self.status.any() or self.mixed.any())
+MOST_CELLS = 4
+"""Beyond that many, cells are evaluated together."""
 
 
 class SlowDrift:
-    """Evaluates cells, and remembers the last one for a stream that goes through it sample by sample."""
+    """Evaluates cells; some of them ahead, for a stream that goes through them."""
 
     def __init__(self, calibration: Calibration, stage: EffectStage) -> None:
         """Take the calibration, and its effects."""
         self._settings, self._box = calibration.features, calibration.calibrated_range
         self._models, self._stage = [channel.drift for channel in calibration.channels], stage
-        self.forget()
-
-    def forget(self) -> None:
-        """Evaluate the next cell, whatever it is."""
         self._inputs: Inputs | None = None
-        self._last: CellValues | None = None
-        self._version = self._begin = self._until = 0
+        self._version = 0
+        self._ahead = KnownCells()
 
     def at(self, inputs: Inputs, stamps: Stamps, *, ordered: bool = False) -> tuple[CellValues, Places]:
         """Return the cells in which samples (n > 0,) at stamps in ns lie, and the place of each sample.
@@ -88,21 +41,46 @@ class SlowDrift:
         ordered: whether the stamps are known to increase.
         """
         low, high = (stamps[0], stamps[-1]) if ordered or len(stamps) == 1 else (stamps.min(), stamps.max())
-        if inputs is self._inputs and inputs.version == self._version and self._begin <= low and high < self._until:
-            assert self._last is not None
-            return self._last, Places(None, None)
+        cell = self._cell_of(inputs, int(low)) if int(low) // STEP == int(high) // STEP else None
+        if cell is not None and high < cell.until:
+            return cell.values, ALONE
         cells, places = cells_of(inputs, stamps)
-        values = self.evaluate(inputs, cells)
-        if places.index is None:
-            self._inputs, self._version, self._last = inputs, inputs.version, values
-            self._begin, self._until = int(cells.begin[0]), int(cells.until[0])
-        return values, places
+        return self.evaluate(inputs, cells), places
 
-    def last_cell(self, inputs: Inputs) -> tuple[CellValues, int] | None:
-        """Return the last cell that was evaluated alone, and the stamp (ns) at which it ends; None where it is old."""
-        if self._last is None or inputs is not self._inputs or inputs.version != self._version:
-            return None
-        return self._last, self._until
+    def uniform(self, inputs: Inputs, first: int, last: int) -> list[Cell] | None:
+        """Return the cells from ``first`` to ``last`` (ns).
+
+        None where there are many, or one in which not all that is said of the temperature is the same for all samples.
+        """
+        found: list[Cell] = []
+        stamp = first
+        while stamp <= last:
+            cell = self._cell_of(inputs, stamp)
+            if not cell.uniform or len(found) == MOST_CELLS:
+                return None
+            found.append(cell)
+            stamp = cell.until
+        return found
+
+    def last_cell(self, inputs: Inputs, stamp: int) -> Cell | None:
+        """Return the cell of a stamp (ns), None where it is not known."""
+        return self._ahead.at(stamp) if self._is_current(inputs) else None
+
+    def _cell_of(self, inputs: Inputs, stamp: int) -> Cell:
+        """Return the cell of a stamp, ns."""
+        cell = self._ahead.at(stamp) if self._is_current(inputs) else None
+        if cell is None:
+            cells = cells_from(inputs, stamp, inputs.settled)
+            self._ahead = KnownCells.of(cells, self.evaluate(inputs, cells))
+            inputs.hold(int(cells.begin[0]), int(cells.until[-1]))
+            self._inputs, self._version = inputs, inputs.version
+            cell = self._ahead.at(stamp)
+        assert cell is not None
+        return cell
+
+    def _is_current(self, inputs: Inputs) -> bool:
+        """Return whether the cells at hand are what would be evaluated now."""
+        return inputs is self._inputs and inputs.version == self._version
 
     def evaluate(self, inputs: Inputs, cells: Cells) -> CellValues:
         """Return what holds in cells."""

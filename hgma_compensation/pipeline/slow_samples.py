@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.drift.model import CalibratedRange
+from hgma_compensation.pipeline.cell_values import CellValues, Line
 from hgma_compensation.pipeline.cells import Places
-from hgma_compensation.pipeline.slow_drift import CellValues, Line
 from hgma_compensation.pipeline.status import temperature_status
 from hgma_compensation.pipeline.uncertainty import DriftUncertainty
 from hgma_compensation.stamps import Stamps, seconds_between

@@ -14,7 +14,8 @@ FILTER_CODES = {FilterMode.OFF: 0, FilterMode.SMOOTH: 1, FilterMode.BIAS: 2}
 def state_fields(calibration: Calibration, result: Compensated, row: int) -> dict[str, Any]:
     """Return all fields but the header for one sample of a result."""
     # What is said of one sample costs that of one, and not that of a block.
-    result = result.take(np.array([row]))
+    if len(result.values) > 1:
+        result = result.take(np.array([row]))
     temperature, rate, product = result.features[0].tolist()
     return {
         "temperature": temperature,

@@ -56,14 +56,15 @@ class Stretches:
 
     def go_on(self, stamps: Stamps) -> bool:
         """Move on to increasing stamps (n > 0,) if they do nothing but go on, and return whether they do."""
-        if not self.only_go_on(stamps):
+        first, last = int(stamps[0]), int(stamps[-1])
+        if not self.only_go_on(first, last):
             return False
-        self.newest = int(stamps[-1])
+        self.newest = last
         return True
 
-    def only_go_on(self, stamps: Stamps) -> bool:
-        """Return whether increasing stamps (n > 0,) follow those before, all within the time that is no gap."""
-        return self.newest is not None and self.newest < stamps[0] and stamps[-1] <= self.newest + TIME_JUMP
+    def only_go_on(self, first: int, last: int) -> bool:
+        """Return whether stamps that increase, ``first`` to ``last`` (ns), go on from those before without a gap."""
+        return self.newest is not None and self.newest < first and last <= self.newest + TIME_JUMP
 
     def split(self, stamps: Stamps, longest: int) -> Iterator[tuple[slice, Cut]]:
         """Yield the rows of each stretch of at most ``longest`` samples, and what happened before it."""

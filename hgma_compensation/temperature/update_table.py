@@ -13,6 +13,10 @@ ROOM = 256
 """Rows that there is room for at the start."""
 
 
+MANY = 256
+"""Stamps from which on it pays to look first if all of them lie between the same two rows."""
+
+
 class UpdateTable:
     """Stamp, stamp of the power-on and ``width`` values of each update."""
 
@@ -83,11 +87,20 @@ class UpdateTable:
         A power-on begins anew: from its stamp on no row before it is used, though it be younger than the latency.
         The oldest row where there is no other; raises IndexError without any.
         """
-        index = self.stamps.searchsorted(stamps - latency, side="right") - 1
+        index = self._newest_at(stamps - latency)
         if self.power_on[0] == self.power_on[-1]:
             return np.asarray(np.maximum(index, 0))
-        newest = np.maximum(self.stamps.searchsorted(stamps, side="right") - 1, 0)
+        newest = np.maximum(self._newest_at(stamps), 0)
         return np.asarray(np.maximum(index, self.stamps.searchsorted(self.power_on[newest])))
+
+    def _newest_at(self, stamps: Stamps) -> NDArray[np.int64]:
+        """Return the newest row (n,) that is not later than each stamp (n,), -1 where there is none."""
+        if len(stamps) > MANY:
+            # A block is shorter than the time between two rows, mostly.
+            low, high = self.stamps.searchsorted((stamps.min(), stamps.max()), side="right").tolist()
+            if low == high:
+                return np.full(len(stamps), low - 1, dtype=np.int64)
+        return np.asarray(self.stamps.searchsorted(stamps, side="right") - 1)
 
     def adopted(self, low: int, high: int, latency: int) -> Stamps:
         """Return the stamps in low < s < high (ns) at which ``used`` goes on to another row, and some at which not."""
