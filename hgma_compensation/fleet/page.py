@@ -9,6 +9,7 @@ from hgma_compensation.channels import unit_of
 from hgma_compensation.fleet.charts import charts_of
 from hgma_compensation.fleet.figures import BY_NAME, FIGURES
 from hgma_compensation.fleet.summary import BEYOND, State, Summary, Unit
+from hgma_compensation.report.cards import charts
 from hgma_compensation.report.markup import Html, bullets, details, element, inner, paragraphs, table
 from hgma_compensation.report.page import page, section
 from hgma_compensation.report.words import counted, number, pretty_unit
@@ -83,7 +84,7 @@ def _failed(summary: Summary) -> list[Html]:
         return []
     rows = [[unit.name, unit.status.reason] for unit in summary.failed]
     note = "Put them right and give the same command again: only what is missing is done."
-    return [section("Not calibrated", element("p", note), table(("sensor", "reason and remedy"), rows))]
+    return [section("Not calibrated", element("p", note), table(("sensor", "reason and remedy"), rows), level=2)]
 
 
 def _worst(summary: Summary) -> Html:
@@ -92,7 +93,7 @@ def _worst(summary: Summary) -> Html:
         if summary.limits
         else "Residual standard deviation over the fleet’s median: without --limits nothing is accepted or rejected."
     )
-    return section("Worst units", element("p", how), _units(summary.worst[:WORST], summary))
+    return section("Worst units", element("p", how), _units(summary.worst[:WORST], summary), level=2)
 
 
 def _units(units: Sequence[Unit], summary: Summary) -> Html:
@@ -145,7 +146,7 @@ def _outliers(summary: Summary) -> list[Html]:
         "0.6745 · (value − median) / median deviation, beyond 3.5 (Iglewicz and Hoaglin 1993)."
     )
     heads = ("sensor", "state", "figures and their scores")
-    return [section("Outliers", element("p", note), table(heads, rows[:100]), *_left_out(len(rows)))]
+    return [section("Outliers", element("p", note), table(heads, rows[:100]), *_left_out(len(rows)), level=2)]
 
 
 def _left_out(count: int) -> list[Html]:
@@ -167,19 +168,20 @@ def _channel(summary: Summary, channel: str) -> Html:
             cells = [number(value, digits) for value in (known[0], middle, known[-1])]
             rows.append([figure.title, unit, *cells, words, str(broken) if limit is not None else ""])
     heads = ("figure", "unit", "least", "median", "greatest", "limit", "broken by")
-    charts = element("div", *(chart.html() for chart in charts_of(summary, channel)), class_="charts")
     return element(
         "article",
         element("header", element("h2", channel)),
         section("Figures", table(heads, rows, numbers=(2, 3, 4, 5, 6))),
-        section("Spread", charts),
+        section("Spread", charts(charts_of(summary, channel))),
         class_="channel",
     )
 
 
 def _all(summary: Summary) -> Html:
     calibrated = [unit for unit in summary.units if unit.status.calibrated]
-    return section("All sensors", details(counted(len(calibrated), "calibrated sensor"), _units(calibrated, summary)))
+    return section(
+        "All sensors", details(counted(len(calibrated), "calibrated sensor"), _units(calibrated, summary)), level=2
+    )
 
 
 def _how(summary: Summary) -> Html:
@@ -197,7 +199,9 @@ def _how(summary: Summary) -> Html:
         f"filter {filtered}.",
     ]
     made = f"Made by hgma_compensation {__version__}."
-    return section("How it was judged", inner(*(_quiet(notes))), paragraphs(lines), element("p", made, class_="quiet"))
+    return section(
+        "How it was judged", inner(*(_quiet(notes))), paragraphs(lines), element("p", made, class_="quiet"), level=2
+    )
 
 
 def _quiet(notes: Sequence[str]) -> list[Html]:
