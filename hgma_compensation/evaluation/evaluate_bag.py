@@ -39,10 +39,8 @@ def evaluate_bag(
             stamps = extent.span(*span)
     with open_bag(path) as bag:
         found = BagTopics(bag, path, names)
-        # Where only a part is asked for, or in blocks, there may be fewer or more samples.
-        declared = 0 if extent is not None else sum(connection.msgcount for connection in found.accelerometer)
         run = OfflineRun(bag, path, found, calibration, found.read, stamps)
-        gathered = LongEvaluation(calibration, reference, declared)
+        gathered = LongEvaluation(calibration, reference)
         for batch, made in run.windows():
             if made is not None and len(made.samples):
                 raw = made.messages.values[made.samples][:, columns_of(calibration.names)]
