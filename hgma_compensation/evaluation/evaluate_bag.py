@@ -8,6 +8,7 @@ from hgma_compensation.channels import columns_of
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.evaluation.evaluate import Evaluation
 from hgma_compensation.evaluation.long_evaluation import LongEvaluation, Part
+from hgma_compensation.kept_memory import return_memory
 from hgma_compensation.progress import Advance
 from hgma_compensation.recording.bag_reader import no_samples, open_bag
 from hgma_compensation.recording.bag_topics import BagTopics
@@ -31,6 +32,7 @@ def evaluate_bag(
     span: s from the start of the recording that count, from the first to before the second. Raises RefusedError where
     the bag lacks what the calibration needs, or no sample is left.
     """
+    return_memory()
     path, extent, stamps = Path(path), None, None
     if span != (None, None):
         whole = survey(path, names)
