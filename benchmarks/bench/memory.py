@@ -33,6 +33,9 @@ def measure(given: Given) -> Result:
         "compensate": lambda source: compensate(source, calibration, Storage.MCAP, output),
         "evaluate": lambda source: run([*HGMA, "evaluate", source, "--calibration", calibration]),
         "train": lambda source: run_writing(output, [*HGMA, "train", source, *train]),
+        "diagnose": lambda source: run_writing(
+            output, [*HGMA, "diagnose", source, "--calibration", calibration, "-o", output]
+        ),
     }
     rows = []
     for name, content in CONTENTS.items():

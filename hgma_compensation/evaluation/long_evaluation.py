@@ -13,7 +13,7 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.evaluation.allan import LEAST_CLUSTERS, AllanCurve, curve_in_place, median_step
 from hgma_compensation.evaluation.allan_pyramid import AllanPyramid
 from hgma_compensation.evaluation.evaluate import MEAN_SECONDS, Evaluation, Means, evaluation_of, measures
-from hgma_compensation.evaluation.spooled import Spooled
+from hgma_compensation.recording.spooled import Spooled
 from hgma_compensation.stamps import Stamps, seconds_between
 from hgma_compensation.training.blocks import GroupSums
 from hgma_compensation.training.reference import Reference
