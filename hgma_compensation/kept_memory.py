@@ -10,8 +10,8 @@ KEPT = 64 << 20
 """Bytes of free memory that stay with the process: some blocks of a hundred thousand samples."""
 
 
-RETURNED = 1 << 20
-"""Bytes of an array that goes back once it is freed: few are so large."""
+RETURNED = 1 << 18
+"""Bytes of an array from which on it goes back once it is freed."""
 
 
 def keep_memory() -> None:

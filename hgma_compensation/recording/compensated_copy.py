@@ -23,7 +23,7 @@ from hgma_compensation.recording.in_turn import InTurn
 from hgma_compensation.recording.offline_run import Compensation, OfflineRun
 from hgma_compensation.recording.state_rows import StateRows
 
-MOST_WAITING = 4
+MOST_WAITING = 1
 """Windows that wait to be written: the memory of so many is held."""
 
 
