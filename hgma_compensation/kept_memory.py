@@ -1,4 +1,4 @@
-"""Free memory that stays with the process."""
+"""Free memory that stays with the process, or does not."""
 
 import ctypes
 from contextlib import suppress
@@ -10,9 +10,21 @@ KEPT = 64 << 20
 """Bytes of free memory that stay with the process: some blocks of a hundred thousand samples."""
 
 
+RETURNED = 1 << 18
+"""Bytes of an array from which on it goes back once it is freed."""
+
+
 def keep_memory() -> None:
     """Let the memory of a block serve the next one; glibc would give it back each time, and have it cleared anew."""
+    _set(M_TRIM_THRESHOLD, KEPT)
+    _set(M_MMAP_THRESHOLD, KEPT)
+
+
+def return_memory() -> None:
+    """Let large arrays go back to the system one by one; glibc would keep the like of what was freed, in pieces."""
+    _set(M_MMAP_THRESHOLD, RETURNED)
+
+
+def _set(parameter: int, size: int) -> None:
     with suppress(OSError, AttributeError):  # another libc has no such settings
-        mallopt = ctypes.CDLL(None).mallopt
-        mallopt(M_TRIM_THRESHOLD, KEPT)
-        mallopt(M_MMAP_THRESHOLD, KEPT)
+        ctypes.CDLL(None).mallopt(parameter, size)

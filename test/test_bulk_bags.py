@@ -14,7 +14,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StorageP
 from rosbags.rosbag2 import storage_mcap as mcap
 
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.recording import mcap_records, message_batches
+from hgma_compensation.recording import bulk_writer, mcap_records, message_batches
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.bag_reader import open_bag, read_recording
 from hgma_compensation.recording.bag_writer import Storage, new_bag, write_recording
@@ -274,6 +274,13 @@ def test_an_error_of_the_writing_thread_reaches_the_caller_and_leaves_nothing(tm
     with pytest.raises(RefusedError, match="No space left on device"):
         write_one(tmp_path / "bag")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_full_disk_is_one_line_whatever_the_storage_and_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(bulk_writer, "SETTINGS", (*bulk_writer.SETTINGS, "max_page_count=20"))
+    with pytest.raises(RefusedError, match=r"out cannot be written .*full.*choose another place"):
+        write_recording(make_recording(duration_s=2000.0, accel_rate=10.0), tmp_path / "out", Storage.SQLITE3)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_recording_of_many_chunks_is_read_as_it_was_written(tmp_path, monkeypatch):

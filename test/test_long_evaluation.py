@@ -15,7 +15,6 @@ from hgma_compensation.evaluation.allan_pyramid import AllanPyramid
 from hgma_compensation.evaluation.evaluate import evaluate
 from hgma_compensation.evaluation.evaluate_bag import evaluate_bag
 from hgma_compensation.kalman.settings import FilterMode
-from hgma_compensation.recording import streamed
 from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.recording.streamed import StreamedRecording, open_recording, survey
 from hgma_compensation.training import filter_design
@@ -131,7 +130,6 @@ OPTIONS = TrainingOptions(
 def test_a_recording_left_in_its_bag_gives_the_same_calibration(tmp_path, monkeypatch, block, span):
     monkeypatch.setattr("hgma_compensation.recording.message_batches.BATCH", 9000)
     monkeypatch.setattr("hgma_compensation.recording.mcap_bulk_writer.CHUNK", 9000)
-    monkeypatch.setattr(streamed, "WHOLE", 10)
     write(tmp_path / "bag", RECORDING, block=block)
     left, held = open_recording(tmp_path / "bag", NAMES, None), read_recording(tmp_path / "bag")
     assert isinstance(left, StreamedRecording)
@@ -142,11 +140,6 @@ def test_a_recording_left_in_its_bag_gives_the_same_calibration(tmp_path, monkey
     assert left.temperature.values.tobytes() == held.temperature.values.tobytes()
     one, other = train([left], OPTIONS), train([held], OPTIONS)
     assert one.calibration_id == other.calibration_id
-
-
-def test_a_short_recording_is_read_into_memory(tmp_path):
-    write(tmp_path / "bag", RECORDING)
-    assert open_recording(tmp_path / "bag", NAMES, None).values.tobytes() == RECORDING.values.tobytes()
 
 
 @pytest.mark.parametrize("most", [1, 2**20])

@@ -58,11 +58,11 @@ def _blocks_of(run: Run, number: int, column: int, seconds: float, settling: flo
     firsts = np.flatnonzero(np.diff(index, prepend=index[0] - 1))
     lasts = np.append(firsts[1:], len(index))
     typical = np.median(lasts - firsts)
-    since_on = since_power_on(run, stamps)
+    since_on = since_power_on(run, stamps[firsts])
     means = _means(stamps, values, firsts, lasts)
     good = (
         (lasts - firsts >= 0.5 * typical)
-        & (since_on[firsts] >= np.where(power_on_before(run, stamps[firsts]) > run.power_on[0], settling, SETTLING))
+        & (since_on >= np.where(power_on_before(run, stamps[firsts]) > run.power_on[0], settling, SETTLING))
         & np.isfinite(means).all(axis=1)
     )
     middle = stamps[firsts] + means[:, 0].astype(np.int64)

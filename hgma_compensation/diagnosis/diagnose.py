@@ -12,7 +12,7 @@ from hgma_compensation.diagnosis.confirm import residue
 from hgma_compensation.diagnosis.cross_validation import sweeps
 from hgma_compensation.diagnosis.errors_held_out import held_out_error
 from hgma_compensation.diagnosis.forward import Findings, Forward, Found
-from hgma_compensation.diagnosis.prepare import prepare
+from hgma_compensation.diagnosis.prepare import acceleration_of, prepare
 from hgma_compensation.diagnosis.problem import Problem, State, without_rows
 from hgma_compensation.diagnosis.recordings import Material, arrange
 from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis, NamedEffect, named, reported_name
@@ -22,6 +22,7 @@ from hgma_compensation.diagnosis.verdict import Judgement, Verdict, judge
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.recording.compensated_bag import check_covered
 from hgma_compensation.recording.recording import Recording
+from hgma_compensation.recording.spooled import Spooled
 from hgma_compensation.training.blocks import FEWEST
 from hgma_compensation.training.linear_algebra import one_thread
 from hgma_compensation.training.train import block_length
@@ -54,11 +55,12 @@ def diagnose(
         check_covered(recording, calibration)
     material = arrange(recordings, holdout)
     runs = [make_run(recording, calibration.features.noise) for recording in material.recordings]
+    acceleration = tuple(acceleration_of(run, calibration) for run in runs)
     channels = []
     result = calibration
     for number, name in enumerate(calibration.names):
         random = np.random.default_rng([seed, number])
-        study = _Study(material, runs, calibration, name, withheld, random, progress)
+        study = _Study(material, runs, acceleration, calibration, name, withheld, random, progress)
         diagnosis, result = study.run(result)
         channels.append(diagnosis)
     return Diagnosis(tuple(channels), with_id(_documented(result, material, seed)), material)
@@ -70,6 +72,7 @@ class _Study:
 
     material: Material
     runs: list[Run]
+    acceleration: tuple[Spooled, ...]
     calibration: Calibration
     channel: str
     withheld: frozenset[str]
@@ -136,7 +139,7 @@ class _Study:
     def _problems(self) -> tuple[Problem, Problem]:
         """Return the problems of what is learned from and of what is held out."""
         block = block_length(self.material.recordings, SHORTEST_BLOCK)
-        whole = prepare(self.runs, self.calibration, self.channel, block, self.random)
+        whole = prepare(self.runs, self.calibration, self.channel, block, self.random, self.acceleration)
         held = self.material.held_rows(whole.scene.blocks)
         for rows, what in ((~held, "to learn from"), (held, "in the hold-out")):
             if rows.sum() < FEWEST:

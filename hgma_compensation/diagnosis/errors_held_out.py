@@ -7,13 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.channels import CHANNELS
+from hgma_compensation.channels import CHANNELS, columns_of
 from hgma_compensation.diagnosis.blocks import make_blocks
 from hgma_compensation.diagnosis.inputs import find_inputs
 from hgma_compensation.diagnosis.recordings import Material
 from hgma_compensation.diagnosis.runs import Run, read_smoothed
 from hgma_compensation.evaluation.evaluate import MEAN_SECONDS
-from hgma_compensation.recording.compensated_bag import compensate_recording, usable_rows
+from hgma_compensation.pipeline.pipeline import CHUNK, Pipeline
+from hgma_compensation.recording.compensated_bag import feed, usable_rows
+from hgma_compensation.recording.recording import Recording
 from hgma_compensation.training.blocks import noise_of_means
 
 Array = NDArray[np.float64]
@@ -54,10 +56,9 @@ def held_out_error(material: Material, runs: Sequence[Run], calibration: Calibra
     reference = calibration.channels[number].reference
     compensated = []
     for run in runs:
-        rows = usable_rows(run.recording, calibration)
-        result = compensate_recording(run.recording, calibration)
-        values = np.full_like(run.recording.values, np.nan)
-        values[rows, column] = result.values[:, number]
+        own = _compensated(run.recording, calibration, number)
+        # Only the column of the channel is read.
+        values = np.broadcast_to(own[:, None], (len(own), len(CHANNELS)))
         compensated.append(replace(run, recording=replace(run.recording, values=values)))
     blocks = make_blocks(compensated, channel, MEAN_SECONDS)
     deviation = blocks.values - reference
@@ -80,3 +81,18 @@ def held_out_error(material: Material, runs: Sequence[Run], calibration: Calibra
         stamps=run.recording.stamps[samples],
         compensated=run.recording.values[samples, column],
     )
+
+
+def _compensated(recording: Recording, calibration: Calibration, number: int) -> Array:
+    """Return one of the calibrated channels compensated (n,), NaN where a sample is not usable."""
+    compensated = np.full(len(recording.stamps), np.nan)
+    rows, columns = usable_rows(recording, calibration), columns_of(calibration.names)
+    pipeline = Pipeline(calibration)
+    feed(pipeline, recording)
+    for start in range(0, len(rows), CHUNK):
+        usable = start + np.flatnonzero(rows[start : start + CHUNK])
+        values = recording.values[usable]
+        compensated[usable] = pipeline.compensate(recording.stamps[usable], values[:, columns], values).values[
+            :, number
+        ]
+    return compensated

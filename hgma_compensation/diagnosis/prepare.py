@@ -15,6 +15,8 @@ from hgma_compensation.diagnosis.problem import Problem, without_rows
 from hgma_compensation.diagnosis.runs import Run, read_earlier, read_smoothed
 from hgma_compensation.diagnosis.scene import Scene
 from hgma_compensation.effects.effect import Survey
+from hgma_compensation.pipeline.pipeline import CHUNK
+from hgma_compensation.recording.spooled import Spooled
 from hgma_compensation.stamps import NANOSECONDS, Stamps
 from hgma_compensation.temperature.features import FeatureSettings, Product
 from hgma_compensation.training.blocks import noise_of_means
@@ -41,21 +43,30 @@ def features_at(runs: Sequence[Run], settings: FeatureSettings, blocks: Blocks) 
     return features
 
 
-def acceleration_of(run: Run, calibration: Calibration) -> Array:
+def acceleration_of(run: Run, calibration: Calibration) -> Spooled:
     """Return the acceleration (samples, 6) less drift model and reference where a channel is calibrated."""
-    recording = run.recording
-    features = calibration.calibrated_range.clamp(smooth_features(run, calibration.features, recording.stamps))
-    values = recording.values.copy()
-    for channel in calibration.channels:
-        values[:, CHANNELS.index(channel.name)] -= channel.drift.evaluate(features) + channel.reference
-    return values
+    recording, acceleration = run.recording, Spooled(len(CHANNELS))
+    for start in range(0, len(recording.stamps), CHUNK):
+        part = slice(start, start + CHUNK)
+        seen = smooth_features(run, calibration.features, recording.stamps[part])
+        features, values = calibration.calibrated_range.clamp(seen), recording.values[part].copy()
+        for channel in calibration.channels:
+            values[:, CHANNELS.index(channel.name)] -= channel.drift.evaluate(features) + channel.reference
+        acceleration.add(values)
+    return acceleration
 
 
 def prepare(
-    runs: Sequence[Run], calibration: Calibration, channel: str, block: float, random: np.random.Generator
+    runs: Sequence[Run],
+    calibration: Calibration,
+    channel: str,
+    block: float,
+    random: np.random.Generator,
+    acceleration: tuple[Spooled, ...] | None = None,
 ) -> Problem:
     """Return the problem of one channel in runs.
 
+    acceleration: that of each run, which is the same for all channels; formed where it is not given.
     Left out: blocks of motion that does not recur, and those outside of the calibrated range.
     """
     # Until the delay of ΔT has gone by since a power-on, the product says nothing of the sensor.
@@ -63,7 +74,8 @@ def prepare(
     limits = calibration.calibrated_range
     seen = features_at(runs, calibration.features, blocks)
     features = limits.clamp(seen)
-    acceleration = tuple(acceleration_of(run, calibration) for run in runs)
+    if acceleration is None:
+        acceleration = tuple(acceleration_of(run, calibration) for run in runs)
     model = next(c for c in calibration.channels if c.name == channel)
     inputs = find_inputs(blocks, blocks.values - model.drift.evaluate(features) - model.reference)
     ends = (float(limits.lower[0]), float(limits.upper[0]))
@@ -103,7 +115,7 @@ def survey_of(
     features: Array,
     inputs: Inputs,
     block: float,
-    acceleration: Sequence[Array],
+    acceleration: Sequence[Spooled],
 ) -> Survey:
     """Return what the runs span."""
     stamps = [run.recording.stamps for run in runs]
@@ -112,7 +124,12 @@ def survey_of(
     present = set(runs[0].recording.present).intersection(*(run.recording.present for run in runs))
     volts = [run.recording.supply_voltage.values for run in runs if len(run.recording.supply_voltage.values)]
     at_rest = blocks.white[~inputs.moving]
-    noise = float(np.median([noise_of_means(a[:, column]) for a in acceleration]))
+    noises, jumps = [], []
+    for one in acceleration:
+        values = one.column(column)
+        noises.append(noise_of_means(values))
+        jumps.append(_jumps(values))
+    noise = float(np.median(noises))
     return Survey(
         channel=channel,
         others=tuple(c for c in CHANNELS if c in present and c != channel),
@@ -127,5 +144,5 @@ def survey_of(
         lifetime=(last - first) / NANOSECONDS,
         vibration=bool(np.quantile(at_rest, 0.98) > NOISIER * np.median(at_rest)),
         inputs=bool(inputs.columns.shape[1]),
-        shocks=any(_jumps(a[:, column]) > SHOCK * noise for a in acceleration),
+        shocks=any(jump > SHOCK * noise for jump in jumps),
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.channels import CHANNELS
+from hgma_compensation.diagnosis.block_sums import BlockSums
 from hgma_compensation.diagnosis.blocks import Blocks
 from hgma_compensation.diagnosis.carried_memory import Ends
 from hgma_compensation.diagnosis.runs import Run, read_earlier, read_smoothed, since_power_on
@@ -16,6 +17,7 @@ from hgma_compensation.effects.conditions import Conditions
 from hgma_compensation.effects.effect import Effect
 from hgma_compensation.effects.memory import Bank
 from hgma_compensation.recording.recording import Series
+from hgma_compensation.recording.spooled import Spooled
 from hgma_compensation.stamps import Stamps
 
 Array = NDArray[np.float64]
@@ -34,7 +36,7 @@ class Scene:
     blocks: Blocks
     limits: tuple[float, float]
     channel: str
-    acceleration: tuple[Array, ...]
+    acceleration: tuple[Spooled, ...]
     moving: NDArray[np.bool_]
     carried: bool = False
 
@@ -77,7 +79,10 @@ class Scene:
         """What effects answer to at the blocks of each run: the same whatever the effects are."""
         parts = []
         for number, rows in enumerate(self._rows):
-            acceleration = self._block_means(rows, np.nan_to_num(self.acceleration[number]))
+            sums = self._sums(number, len(CHANNELS))
+            for samples in self.acceleration[number].parts():
+                sums.add(np.nan_to_num(samples))
+            acceleration = sums.means()
             parts.append(self.conditions(number, self.blocks.stamps[rows], acceleration))
         return tuple(parts)
 
@@ -93,9 +98,9 @@ class Scene:
         for driven in (False, True):
             group = [i for i, e in enumerate(effects) if e.per_sample and e.input_driven is driven]
             if group:
-                at = self._at_samples(number, driven)
-                for i in group:
-                    results[i] = self._averaged(number, at, effects[i])
+                averaged = self._averaged(number, [effects[i] for i in group], driven=driven)
+                for i, columns in zip(group, averaged, strict=True):
+                    results[i] = columns
         return results
 
     def _states(self, bank: Bank) -> list[Array]:
@@ -140,36 +145,43 @@ class Scene:
             states.append((start, ends.last))
         return states
 
-    def _block_means(self, rows: NDArray[np.int64], samples: Array) -> Array:
-        """Return the means (n, k) over blocks of one run of its samples (m, k)."""
-        sums = np.vstack([np.zeros(samples.shape[1]), np.cumsum(samples, axis=0)])
-        first, last = self.blocks.first[rows], self.blocks.last[rows]
-        return np.asarray((sums[last] - sums[first]) / (last - first)[:, None])
+    def _sums(self, number: int, width: int) -> BlockSums:
+        """Return what means over the blocks of a run are made of."""
+        rows = self._rows[number]
+        return BlockSums(self.blocks.first[rows], self.blocks.last[rows], width)
 
-    def _at_samples(self, number: int, driven: bool) -> Conditions:
-        """Return what effects that bend with the acceleration, or are driven by it, answer to at a run's samples."""
-        samples = self.acceleration[number]
-        if driven:
-            samples = self._only_moving(self._rows[number], samples)
-        return self.conditions(number, self.runs[number].recording.stamps, samples)
+    def _averaged(self, number: int, effects: Sequence[Effect], *, driven: bool) -> list[Array]:
+        """Return the means over each block of the columns of effects at a run's samples.
 
-    def _averaged(self, number: int, at: Conditions, effect: Effect) -> Array:
-        """Return the mean over each block of columns at a run's samples."""
-        memory = effect.acceleration_memory()
-        state = np.empty((len(at), 0))
-        if memory is not None:
-            state = memory.run(memory.start(), at.stamps, at.acceleration[:, CHANNELS.index(self.channel)])
-        return self._block_means(self._rows[number], effect.columns(at, state))
+        driven: whether the effects answer to the acceleration that is put in, and to no other.
+        """
+        column, stamps, done = CHANNELS.index(self.channel), self.runs[number].recording.stamps, 0
+        memories = [effect.acceleration_memory() for effect in effects]
+        states = [np.empty(0) if memory is None else memory.start() for memory in memories]
+        sums = [self._sums(number, effect.count) for effect in effects]
+        moving = self._moving(number) if driven else None
+        for samples in self.acceleration[number].parts():
+            part = slice(done, done + len(samples))
+            acceleration = samples.copy()
+            if moving is not None:
+                acceleration[:, column] = np.where(moving[part], samples[:, column], 0.0)
+            at = self.conditions(number, stamps[part], acceleration)
+            for i, (effect, memory) in enumerate(zip(effects, memories, strict=True)):
+                passed = np.empty((len(at), 0))
+                if memory is not None:
+                    passed = memory.run(states[i], at.stamps, at.acceleration[:, column])
+                    states[i] = passed[-1].copy()
+                sums[i].add(effect.columns(at, passed))
+            done = part.stop
+        return [one.means() for one in sums]
 
-    def _only_moving(self, rows: NDArray[np.int64], samples: Array) -> Array:
-        """Return the acceleration with 0 where the channel is at rest: noise and drift are no input."""
-        column = CHANNELS.index(self.channel)
-        kept = np.zeros(len(samples), dtype=bool)
+    def _moving(self, number: int) -> NDArray[np.bool_]:
+        """Return for each sample of a run whether the channel is not at rest: noise and drift are no input."""
+        moving = np.zeros(len(self.acceleration[number]), dtype=bool)
+        rows = self._rows[number]
         for row in rows[self.moving[rows]]:
-            kept[self.blocks.first[row] : self.blocks.last[row]] = True
-        masked = samples.copy()
-        masked[:, column] = np.where(kept, samples[:, column], 0.0)
-        return masked
+            moving[self.blocks.first[row] : self.blocks.last[row]] = True
+        return moving
 
 
 def _held(series: Series, stamps: Stamps) -> Array:

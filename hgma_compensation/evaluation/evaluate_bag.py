@@ -9,6 +9,7 @@ from hgma_compensation.channels import columns_of
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.evaluation.evaluate import Evaluation
 from hgma_compensation.evaluation.long_evaluation import LongEvaluation, Part
+from hgma_compensation.kept_memory import return_memory
 from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.progress import Advance
 from hgma_compensation.recording.bag_reader import no_samples, open_bag
@@ -37,6 +38,7 @@ def evaluate_bag(
     observe: called with the samples as they go by, counted or not, and what the pipeline made of them. Raises
     RefusedError where the bag lacks what the calibration needs, or no sample is left.
     """
+    return_memory()
     path, extent, stamps = Path(path), None, None
     if span != (None, None):
         whole = survey(path, names)
@@ -45,10 +47,8 @@ def evaluate_bag(
             stamps = extent.span(*span)
     with open_bag(path) as bag:
         found = BagTopics(bag, path, names)
-        # Where only a part is asked for, or in blocks, there may be fewer or more samples.
-        declared = 0 if extent is not None else sum(connection.msgcount for connection in found.accelerometer)
         run = OfflineRun(bag, path, found, calibration, found.read, None if remembered else stamps)
-        gathered = LongEvaluation(calibration, reference, declared)
+        gathered = LongEvaluation(calibration, reference)
         for batch, made in run.windows():
             if made is not None and len(made.samples):
                 raw = made.messages.values[made.samples][:, columns_of(calibration.names)]

@@ -1,7 +1,8 @@
-"""Figures of samples that come in parts: of all of them where they fit into memory, else of what went by."""
+"""Figures of samples that come in parts: of all of them up to a number that waits on the disk, else of what went by."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import fsum
 
@@ -9,17 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.evaluation.allan import LEAST_CLUSTERS, AllanCurve, median_interval
+from hgma_compensation.evaluation.allan import LEAST_CLUSTERS, AllanCurve, curve_in_place, median_step
 from hgma_compensation.evaluation.allan_pyramid import AllanPyramid
-from hgma_compensation.evaluation.evaluate import (
-    MEAN_SECONDS,
-    Evaluation,
-    Means,
-    Measures,
-    compare,
-    evaluation_of,
-    measures,
-)
+from hgma_compensation.evaluation.evaluate import MEAN_SECONDS, Evaluation, Means, evaluation_of, measures
+from hgma_compensation.recording.spooled import Spooled
 from hgma_compensation.stamps import Stamps, seconds_between
 from hgma_compensation.training.blocks import GroupSums
 from hgma_compensation.training.reference import Reference
@@ -27,9 +21,9 @@ from hgma_compensation.training.reference import Reference
 Array = NDArray[np.float64]
 
 WHOLE = 1 << 20
-"""Samples that are held, three hours at 100 Hz. Of more the Allan deviation is an estimate, the mean a sum of parts."""
+"""Samples that wait, three hours at 100 Hz. Of more the Allan deviation is an estimate, the mean a sum of parts."""
 
-AT_ONCE = 1 << 16
+AT_ONCE = 1 << 13
 """Samples that are looked at together once there are more."""
 
 
@@ -51,83 +45,112 @@ class Part:
 class LongEvaluation:
     """Takes the samples of one recording in their order. samples: how many there were."""
 
-    def __init__(self, calibration: Calibration, reference: Reference, expected: int = 0) -> None:
-        """Judge with a calibration that the samples were compensated with; expected: how many they are at the least."""
+    def __init__(self, calibration: Calibration, reference: Reference) -> None:
+        """Judge with a calibration that the samples were compensated with."""
         self._calibration, self._reference = calibration, reference
-        self._held: list[Part] = []
-        self._count = self.samples = 0
-        self._passing: _Passing | None = None
-        self._most = AT_ONCE if expected > WHOLE else WHOLE
+        self._width = 2 * len(calibration.names)
+        self._sums = GroupSums(2 + self._width)
+        self._start: int | None = None
+        self._noise: _Waiting | _Passing = _Waiting(self._width)
+        self.samples = 0
 
     def add(self, part: Part) -> None:
-        """Take samples."""
-        self._held.append(part)
-        self._count += len(part.stamps)
-        self.samples += len(part.stamps)
-        if self._count > self._most:
-            self._pass()
-
-    def _pass(self) -> None:
-        """Let go of all samples that are held, those of a few parts at a time."""
-        while self._held:
-            several, count = [self._held.pop(0)], 0
-            while self._held and count < AT_ONCE:
-                count += len(self._held[0].stamps)
-                several.append(self._held.pop(0))
-            part = _joined(several)
-            if self._passing is None:
-                self._passing = _Passing(part, len(self._calibration.names))
-            self._passing.add(part)
-        self._count, self._most = 0, AT_ONCE
+        """Take samples; raises RefusedError where there is no room for temporary files."""
+        if not len(part.stamps):
+            return
+        if self._start is None:
+            self._start = int(part.stamps[0])
+        values = np.concatenate([part.raw, part.compensated], axis=1)
+        time = seconds_between(part.stamps, self._start)
+        index = np.floor(time / MEAN_SECONDS).astype(np.int64)
+        self._sums.add(index, np.column_stack([time, part.temperature, values]))
+        self.samples += len(values)
+        if isinstance(self._noise, _Waiting) and self.samples > WHOLE:
+            self._noise = _Passing.after(self._noise, self._width)
+        self._noise.add(part.stamps, values)
 
     def evaluation(self) -> Evaluation:
         """Return the figures of all samples; there must be some."""
-        if self._passing is None:
-            whole = _joined(self._held)
-            return compare(
-                whole.stamps, whole.raw, whole.compensated, whole.temperature, self._calibration, self._reference
-            )
-        if self._held:
-            self._pass()
-        return self._passing.evaluation(self._calibration, self._reference)
+        means, curves = self._noise.means_and_curves()
+        names = self._calibration.names
+        raw, compensated = np.split(means, 2)
+        references = [self._reference.beside(names, lambda own=own: own) for own in (raw, compensated)]  # type: ignore[misc]
+        return evaluation_of(
+            self._calibration,
+            Means(self._sums.means(), np.concatenate(references)),
+            lambda column, error: measures(curves[column], error, self.samples),
+        )
 
 
-def _joined(parts: list[Part]) -> Part:
-    return Part(*(np.concatenate([getattr(part, name) for part in parts]) for name in Part.__dataclass_fields__))
+class _Waiting:
+    """Samples that wait for the last one."""
+
+    def __init__(self, width: int) -> None:
+        self._steps, self._values, self._width = Spooled(1, np.int64), Spooled(width), width
+        self._last: Stamps = np.empty(0, dtype=np.int64)
+
+    def add(self, stamps: Stamps, values: Array) -> None:
+        self._steps.add(np.diff(stamps, prepend=self._last)[:, None])
+        self._values.add(values)
+        self._last = stamps[-1:].copy()
+
+    def interval(self, most: int | None = None) -> float:
+        """Return the median time (s) from one sample to the next, of the first ``most``."""
+        return median_step(self._steps.column(0, most))
+
+    def parts(self) -> Iterator[Array]:
+        return self._values.parts()
+
+    def means_and_curves(self) -> tuple[Array, list[AllanCurve | None]]:
+        """Return the mean (width,) and the Allan curve of each column, one after the other in memory."""
+        interval, means, curves = self.interval(), np.empty(self._width), []
+        for column in range(self._width):
+            values = self._values.column(column)
+            means[column] = np.mean(values)
+            curves.append(curve_in_place(interval, values))
+        return means, curves
 
 
 class _Passing:
     """What is kept of samples that are not."""
 
-    def __init__(self, first: Part, channels: int) -> None:
-        self._channels = channels
-        self._start = int(first.stamps[0])
-        self._interval = median_interval(first.stamps)
-        self._sums = GroupSums(2 + 2 * channels)
-        self._allan = AllanPyramid(2 * channels)
-        self._totals: list[list[float]] = [[] for _ in range(2 * channels)]
+    def __init__(self, width: int, interval: float) -> None:
+        self._interval, self._allan = interval, AllanPyramid(width)
+        self._totals: list[list[float]] = [[] for _ in range(width)]
+        self._held: list[Array] = []
+        self._count = 0
 
-    def add(self, part: Part) -> None:
-        values = np.concatenate([part.raw, part.compensated], axis=1)
+    @classmethod
+    def after(cls, waiting: _Waiting, width: int) -> _Passing:
+        """Let go of samples that wait."""
+        passing = cls(width, waiting.interval(AT_ONCE))
+        for values in waiting.parts():
+            passing._take(values)
+        return passing
+
+    def add(self, stamps: Stamps, values: Array) -> None:
+        self._held.append(values)
+        self._count += len(values)
+        if self._count > AT_ONCE:
+            self._pass()
+
+    def _pass(self) -> None:
+        if self._held:
+            values = np.concatenate(self._held)
+            self._held, self._count = [], 0
+            for start in range(0, len(values), AT_ONCE):
+                self._take(values[start : start + AT_ONCE])
+
+    def _take(self, values: Array) -> None:
         for column, totals in zip(values.T, self._totals, strict=True):
             totals.append(float(column.sum()))
-        time = seconds_between(part.stamps, self._start)
-        index = np.floor(time / MEAN_SECONDS).astype(np.int64)
-        self._sums.add(index, np.column_stack([time, part.temperature, values]))
         self._allan.add(values)
 
-    def evaluation(self, calibration: Calibration, reference: Reference) -> Evaluation:
+    def means_and_curves(self) -> tuple[Array, list[AllanCurve | None]]:
+        """Return the mean (width,) and the Allan curve of each column."""
+        self._pass()
         count = self._allan.samples
-        means = np.array([fsum(totals) / count for totals in self._totals])
-        raw, compensated = means[: self._channels], means[self._channels :]
-        references = np.concatenate(
-            [reference.beside(calibration.names, lambda: raw), reference.beside(calibration.names, lambda: compensated)]
-        )
         factors, deviations = self._allan.deviations(count // LEAST_CLUSTERS)
-
         taus = np.asarray(factors * self._interval, dtype=np.float64)
-
-        def figures(column: int, error: Array) -> Measures:
-            return measures(AllanCurve(taus, deviations[:, column]) if self._interval > 0.0 else None, error, count)
-
-        return evaluation_of(calibration, Means(self._sums.means(), references), figures)
+        curves = [AllanCurve(taus, own) if self._interval > 0.0 else None for own in deviations.T]
+        return np.array([fsum(totals) / count for totals in self._totals]), curves

@@ -193,7 +193,11 @@ def _frames(pieces: Sequence[tuple[slice, Any]], rows: Indices) -> list[tuple[sl
 
 def _heads(batch: Batch, pieces: Sequence[tuple[slice, Any]], rows: Indices) -> NDArray[np.uint8]:
     chosen = batch.select(rows)
-    heads = windows(chosen.memory, STAMP_SIZE)[chosen.starts + STAMP_AT]
+    if chosen.apart is None:
+        heads = windows(chosen.memory, STAMP_SIZE)[chosen.starts + STAMP_AT]
+    else:  # blocks, which would all be copied to lie together
+        stamps = bytearray().join(raw[STAMP_AT : STAMP_AT + STAMP_SIZE] for raw in chosen.apart)
+        heads = np.frombuffer(stamps, dtype=np.uint8).reshape(len(rows), STAMP_SIZE)
     for span, piece in pieces:
         if not isinstance(piece, (ImuBatch, BlockView)):
             stamp = piece.header.stamp

@@ -1,5 +1,6 @@
 """Writes rosbag2 folders; each appears whole or not at all."""
 
+import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from enum import Enum
@@ -86,8 +87,11 @@ def new_bag(path: Path, storage: Storage = Storage.MCAP) -> Iterator[BagWriter]:
         writer = BulkWriter(scratch, version=9, storage_plugin=StoragePlugin[storage.name])
         if storage is Storage.MCAP:
             writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
-        with writer:
-            yield BagWriter(writer)
+        try:
+            with writer:
+                yield BagWriter(writer)
+        except sqlite3.OperationalError as error:  # a full disk, which the other storage tells as the system does
+            raise RefusedError(f"{path} cannot be written ({error}): choose another place") from None
 
 
 def write_recording(

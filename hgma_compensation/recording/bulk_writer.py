@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import sqlite3
-from collections import deque
 from collections.abc import Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import chain
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from rosbags.interfaces import Connection
@@ -16,6 +15,7 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from hgma_compensation.recording.batch import Batch, Indices
+from hgma_compensation.recording.in_turn import InTurn
 from hgma_compensation.recording.mcap_bulk_writer import BulkMcapWriter
 
 MOST_WAITING = 4
@@ -26,6 +26,12 @@ MOST_BYTES, MOST_MESSAGES = 1 << 20, 4096
 
 ROWS = 300
 """Of a database, inserted by one statement: each takes three of the at least 999 parameters that there can be."""
+
+SETTINGS = ("page_size=32768", "cache_size=-4096", "journal_mode=OFF", "synchronous=OFF", "locking_mode=EXCLUSIVE")
+"""Of a database that nobody sees before it is whole, and that is removed where it does not get so far.
+
+Without a journal, which would be there to go back. A block fills several pages, each of which is written by itself.
+"""
 
 _INSERT = "INSERT INTO messages (topic_id, timestamp, data) VALUES"
 
@@ -38,7 +44,10 @@ class BulkSqlite3Writer(Sqlite3Writer):
         super().__init__(path, compression)
         self.conn.close()
         # Used by two threads, never by both at once.
-        self.conn = sqlite3.connect(f"file:{self.path}", uri=True, check_same_thread=False)
+        self.conn = sqlite3.connect(f"file:{quote(str(self.path))}", uri=True, check_same_thread=False)
+        for setting in SETTINGS:
+            self.conn.execute(f"PRAGMA {setting}")
+        self.conn.execute("VACUUM")  # the tables are there already, in pages of another size
         self.cursor = self.conn.cursor()
 
     def write_batch(self, channels: Indices, batch: Batch) -> None:
@@ -63,8 +72,7 @@ class BulkWriter(Writer):
     def __init__(self, path: Path, **options: Any) -> None:
         """Take what the library's writer takes."""
         super().__init__(path, **options)
-        self._thread = ThreadPoolExecutor(1)
-        self._waiting: deque[Future[None]] = deque()
+        self._writing = InTurn(MOST_WAITING)
         self._topics: list[int] = []
         self._times: list[int] = []
         self._raws: list[bytes] = []
@@ -86,18 +94,12 @@ class BulkWriter(Writer):
         self.max_timestamp = max(int(batch.times.max()), self.max_timestamp)
         assert isinstance(self.storage, (BulkSqlite3Writer, BulkMcapWriter))
         ids = np.array([connection.id for connection in connections], dtype=np.int64)
-        self._wait(MOST_WAITING)
-        self._waiting.append(self._thread.submit(self.storage.write_batch, ids[batch.topics], batch))
-
-    def _wait(self, left: int) -> None:
-        """Wait until so many batches are left to write at the most."""
-        while len(self._waiting) > left:
-            self._waiting.popleft().result()
+        self._writing.submit(self.storage.write_batch, ids[batch.topics], batch)
 
     def add_connection(self, *arguments: Any, **options: Any) -> Connection:
         """Add a topic."""
         self._flush()
-        self._wait(0)
+        self._writing.wait()
         return super().add_connection(*arguments, **options)
 
     def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
@@ -119,11 +121,11 @@ class BulkWriter(Writer):
     def close(self) -> None:
         """Write what is left."""
         self._flush()
-        self._wait(0)
-        self._thread.shutdown()
+        self._writing.wait()
+        self._writing.close()
         super().close()
 
     def abort(self) -> None:
         """Close without writing what is left."""
-        self._thread.shutdown(cancel_futures=True)
+        self._writing.close()
         super().abort()

@@ -12,7 +12,7 @@ from hgma_compensation.effects.effect import Effect, Need
 from hgma_compensation.effects.stage import channels_read
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.pipeline.compensated import Compensated
-from hgma_compensation.pipeline.pipeline import Pipeline
+from hgma_compensation.pipeline.pipeline import CHUNK, Pipeline
 from hgma_compensation.pipeline.screening import usable_samples
 from hgma_compensation.recording.recording import Recording
 
@@ -37,7 +37,11 @@ class Covered(Protocol):
 
 def usable_rows(recording: Recording, calibration: Calibration) -> NDArray[np.bool_]:
     """Return for each sample whether it is compensated; as in the node, one that is not costs its whole block."""
-    usable = usable_samples(recording.stamps, recording.values[:, columns_of(calibration.channels_read)])
+    columns = columns_of(calibration.channels_read)
+    usable = np.empty(len(recording.stamps), dtype=np.bool_)
+    for start in range(0, len(usable), CHUNK):
+        part = slice(start, start + CHUNK)
+        usable[part] = usable_samples(recording.stamps[part], recording.values[part][:, columns])
     if recording.block is None or usable.all():
         return usable
     return ~np.isin(recording.block, recording.block[~usable])

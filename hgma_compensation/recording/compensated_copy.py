@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from rosbags.interfaces import Connection
 
 from hgma_compensation import topics
 from hgma_compensation.calibration.calibration import Calibration
@@ -17,8 +18,13 @@ from hgma_compensation.recording.accelerations import of_rows
 from hgma_compensation.recording.bag_reader import open_bag
 from hgma_compensation.recording.bag_topics import BagTopics
 from hgma_compensation.recording.bag_writer import BagWriter, Storage, new_bag
+from hgma_compensation.recording.batch import Batch
+from hgma_compensation.recording.in_turn import InTurn
 from hgma_compensation.recording.offline_run import Compensation, OfflineRun
 from hgma_compensation.recording.state_rows import StateRows
+
+MOST_WAITING = 1
+"""Windows that wait to be written: the memory of so many is held."""
 
 
 @dataclass
@@ -55,12 +61,11 @@ def write_compensated(
         with new_bag(path, storage) as bag:
             copies = [bag.copy_topic(connection) for connection in copied]
             writing = _Outputs(bag, calibration, state_rate, blocks=found.blocks)
-            for batch, made in run.windows():
-                bag.write_batch(copies, batch)
-                if made is not None and len(made.usable):
-                    writing.take(made)
-                if progress is not None:
-                    progress(len(batch), reader.message_count)
+            with InTurn(MOST_WAITING) as turn:
+                for batch, made in run.windows():
+                    turn.submit(writing.take, copies, batch, made)
+                    if progress is not None:
+                        progress(len(batch), reader.message_count)
             run.check()
     writing.figures.samples = run.samples
     return writing.figures
@@ -77,14 +82,22 @@ class _Outputs:
         self._layouts: dict[str, StateRows] = {}
         self.figures = Copied()
 
-    def take(self, made: Compensation) -> None:
-        """Write what the pipeline made of accelerometer messages."""
+    def take(self, copies: list[Connection], batch: Batch, made: Compensation | None) -> None:
+        """Write messages as they are, and what the pipeline made of those of the accelerometer among them.
+
+        In a thread of its own: nothing else writes to the bag meanwhile.
+        """
+        self._bag.write_batch(copies, batch)
+        if made is not None and len(made.usable):
+            self._write_compensated(made)
+            self._write_states(made)
+
+    def _write_compensated(self, made: Compensation) -> None:
         self.figures.compensated += len(made.result.values)
         if not made.result.ordinary:
             self.figures.outside_range += int(np.count_nonzero(~made.result.inside_range))
         batch = made.messages.compensated(self._calibration.names, made.usable, made.result)
         self._bag.write_batch([self._output], batch)
-        self._write_states(made)
 
     def _write_states(self, made: Compensation) -> None:
         """Write the states of the messages that get one: each is that of the message's last sample."""

@@ -95,23 +95,42 @@ def behind(held: Iterable[Held], feed: Feed) -> Iterator[Batch]:
     Where the clock of a slow input is set back, all messages before are handed out first: they belong to the clock
     that was.
     """
-    waiting: deque[Held] = deque()
+    waiting = _Waiting()
     for part in held:
         if part.steps_back and feed.sets_back(part):
-            while waiting:
-                yield waiting.popleft().batch
+            while waiting.parts:
+                yield waiting.take()
         feed.take(part)
-        waiting.append(part)
-        while len(waiting) > 1 and _enough(waiting, int(part.batch.times[-1])):
-            yield waiting.popleft().batch
-    while waiting:
-        yield waiting.popleft().batch
+        waiting.add(part)
+        while waiting.enough():
+            yield waiting.take()
+    while waiting.parts:
+        yield waiting.take()
 
 
-def _enough(waiting: deque[Held], read: int) -> bool:
-    """Return whether enough was read after the first part that waits; read: log time, ns."""
-    return (
-        int(waiting[0].batch.times[-1]) + LOOK_AHEAD < read
-        or sum(part.batch.size for part in waiting) > MOST_HELD
-        or sum(part.count for part in waiting) > MOST_SLOW
-    )
+class _Waiting:
+    """Parts that are held back, with the sums that bound them."""
+
+    def __init__(self) -> None:
+        self.parts: deque[Held] = deque()
+        self._size = self._count = 0
+
+    def add(self, part: Held) -> None:
+        self.parts.append(part)
+        self._size += part.batch.size
+        self._count += part.count
+
+    def take(self) -> Batch:
+        """Return the messages of the first part, which waits no longer."""
+        part = self.parts.popleft()
+        self._size -= part.batch.size
+        self._count -= part.count
+        return part.batch
+
+    def enough(self) -> bool:
+        """Return whether enough was read after the first part."""
+        return len(self.parts) > 1 and (
+            int(self.parts[0].batch.times[-1]) + LOOK_AHEAD < int(self.parts[-1].batch.times[-1])
+            or self._size > MOST_HELD
+            or self._count > MOST_SLOW
+        )

@@ -71,8 +71,8 @@ class OfflineRun:
         self._bag, self._path, self._found, self._calibration = bag, path, found, calibration
         self._connections, self._span = connections, span
         numbers = {connection.id: number for number, connection in enumerate(connections)}
-        self._fast = np.array([numbers[c.id] for c in found.accelerometer], dtype=np.int64)
-        self._slow = [(slow, np.array([numbers[c.id] for c in own], dtype=np.int64)) for slow, own in found.slow if own]
+        self._fast = self._among([numbers[c.id] for c in found.accelerometer])
+        self._slow = [(slow, self._among([numbers[c.id] for c in own])) for slow, own in found.slow if own]
         self._pipeline = Pipeline(calibration, lag=LAG)
         self._columns, self._columns_read = columns_of(calibration.names), columns_of(calibration.channels_read)
         self.samples = 0
@@ -81,6 +81,12 @@ class OfflineRun:
         self._thermistor = False
         self._not_zero = np.zeros(len(CHANNELS), dtype=np.bool_)
         self._carried: set[str] = set()
+
+    def _among(self, numbers: list[int]) -> NDArray[np.bool_]:
+        """Return for each connection that is read whether it is one of these."""
+        among = np.zeros(len(self._connections), dtype=np.bool_)
+        among[numbers] = True
+        return among
 
     def windows(self) -> Iterator[tuple[Batch, Compensation | None]]:
         """Yield all messages, and what became of those of the accelerometer among them; ``check`` after the last.
@@ -117,8 +123,8 @@ class OfflineRun:
         last: dict[Need | None, int] = {}
         for batch in bulk_messages(self._bag, self._path, self._connections):
             slow = []
-            for one, numbers in self._slow:
-                rows = np.flatnonzero(np.isin(batch.topics, numbers))
+            for one, own in self._slow:
+                rows = np.flatnonzero(own[batch.topics])
                 if len(rows):
                     series = read_slow(batch.select(rows), one, self._decoders[int(batch.topics[rows[0]])])
                     inside = self._inside(series.stamps)
@@ -156,7 +162,7 @@ class OfflineRun:
                 self._has.add(slow.need.value)
 
     def _compensated(self, batch: Batch) -> Compensation | None:
-        rows = np.flatnonzero(np.isin(batch.topics, self._fast))
+        rows = np.flatnonzero(self._fast[batch.topics])
         if not len(rows):
             return None
         own, decode = batch.select(rows), self._decoders[int(batch.topics[rows[0]])]

@@ -14,17 +14,14 @@ from hgma_compensation.channels import CHANNELS, GROUPS, group_of
 from hgma_compensation.progress import Advance
 from hgma_compensation.recording.accelerations import BlockMessages, ImuMessages
 from hgma_compensation.recording.bag import Bag
-from hgma_compensation.recording.bag_reader import bulk_messages, decoder, no_samples, open_bag, read_recording
+from hgma_compensation.recording.bag_reader import bulk_messages, decoder, no_samples, open_bag
 from hgma_compensation.recording.bag_topics import BagTopics
-from hgma_compensation.recording.recording import Extent, Recording, Series, no_thermistor
+from hgma_compensation.recording.recording import Extent, Series, no_thermistor
 from hgma_compensation.recording.slow_inputs import SLOW_INPUTS, read_slow
 from hgma_compensation.stamps import NANOSECONDS, Stamps
 
 Window = tuple[Stamps, NDArray[np.float64]]
 """Stamps (n,) in ns and values (n, 6), columns CHANNELS."""
-
-WHOLE = 1 << 20
-"""Messages of an accelerometer up to which a recording is read into memory."""
 
 EVER = (np.iinfo(np.int64).min, np.iinfo(np.int64).max)
 
@@ -75,16 +72,12 @@ class StreamedRecording:
         return replace(part, present=self.present, frame=self.frame)
 
 
-def open_recording(path: Path, names: topics.TopicNames, progress: Advance | None) -> Recording | StreamedRecording:
-    """Return a bag as a recording, in memory where it is short."""
-    with open_bag(path) as bag:
-        found = BagTopics(bag, Path(path), names)
-        short = not found.blocks and sum(connection.msgcount for connection in found.accelerometer) <= WHOLE
-    if short:
-        return read_recording(path, names, progress)
+def open_recording(path: Path, names: topics.TopicNames, progress: Advance | None) -> StreamedRecording:
+    """Return a bag as a recording, having read it once; raises RefusedError where it holds no sample."""
     whole = survey(Path(path), names, progress)
     if whole is None:
-        raise no_samples(Path(path), found)
+        with open_bag(path) as bag:
+            raise no_samples(Path(path), BagTopics(bag, Path(path), names))
     return whole
 
 
