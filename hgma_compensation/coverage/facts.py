@@ -85,7 +85,7 @@ def happened(problem: Problem) -> Happened:
             rates += _ramps_and_soaks(seconds, problem.features[rows, 0], problem.features[rows, 1])[0]
             starts += len(np.unique(power_on_before(run, blocks.stamps[rows])))
             part = slice(int(blocks.first[rows].min()), int(blocks.last[rows].max()))
-            acceleration = scene.acceleration[number][part, column]
+            acceleration = scene.acceleration[number].column(column)[part]
             hits += shocks(run.recording.stamps[part], acceleration, problem.survey.noise)
     rest = ~scene.moving
     vibrating = vibrates(blocks.white[rest], (blocks.last - blocks.first)[rest])

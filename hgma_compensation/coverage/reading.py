@@ -14,8 +14,11 @@ from hgma_compensation.recording.bag_reader import bulk_messages, decoder, open_
 from hgma_compensation.recording.bag_topics import BagTopics
 from hgma_compensation.recording.recording import Recording, Series
 from hgma_compensation.recording.slow_inputs import read_slow
-from hgma_compensation.recording.streamed import WHOLE, StreamedRecording, Window, open_recording
+from hgma_compensation.recording.streamed import StreamedRecording, Window, open_recording
 from hgma_compensation.topics import TopicNames
+
+MOST = 1 << 20
+"""Samples of the accelerometer that are judged one by one; of more, means of a few."""
 
 
 @dataclass(frozen=True)
@@ -30,12 +33,12 @@ class Reading:
 def read(path: Path, names: TopicNames, span: tuple[float | None, float | None], progress: Advance | None) -> Reading:
     """Return the part of a bag from span[0] to before span[1], in s from its start, None for all.
 
-    What it takes of memory grows with the thermometers' samples only, beyond WHOLE samples of the accelerometer.
+    What it takes of memory grows with the thermometers' samples only, beyond MOST samples of the accelerometer.
     """
     return reading_of(open_recording(path, names, progress).cut(*span))
 
 
-def reading_of(source: Recording | StreamedRecording, most: int = WHOLE) -> Reading:
+def reading_of(source: Recording | StreamedRecording, most: int = MOST) -> Reading:
     """Return a recording, and what its samples are; one of more than ``most`` samples left in its bag is averaged."""
     survey = SampleSurvey()
     if isinstance(source, Recording):
