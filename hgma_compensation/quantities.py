@@ -26,8 +26,8 @@ _STEPS = (("d", 86400), ("h", 3600), ("min", 60), ("s", 1))
 
 
 def shown_unit(unit: str) -> str:
-    """Return a unit with its powers raised: "m/s^2" becomes "m/s²"."""
-    first, *others = unit.split("^")
+    """Return a unit with its powers raised and its products dotted: "m/s^2" becomes "m/s²"."""
+    first, *others = unit.replace("*", "·").split("^")
     shown = first
     for other in others:
         length = next((i for i, character in enumerate(other) if not (character.isdigit() or character == "-")), None)
@@ -59,13 +59,18 @@ def count(value: int) -> str:
     return _grouped(str(value))
 
 
-def quantity(value: float | None, unit: str, digits: int = DIGITS) -> str:
-    """Return a measured number with its unit; from 1000 m/s² on with g beside: 17 770 m/s² (1812 g)."""
+def counted(how_many: int, what: str) -> str:
+    """Return how many of something there are: 1 gap, 12 000 gaps."""
+    return f"{count(how_many)} {what}{'' if how_many == 1 else 's'}"
+
+
+def quantity(value: float | None, unit: str, digits: int = DIGITS, g_from: float = _HIGH_G) -> str:
+    """Return a measured number with its unit; from ``g_from`` (m/s²) on with g beside: 17 770 m/s² (1812 g)."""
     shown = number(value, digits)
     if shown == UNKNOWN or value is None:
         return UNKNOWN
     text = f"{shown} {shown_unit(unit)}".rstrip()
-    if unit in ("m/s^2", "m/s²") and abs(value) >= _HIGH_G:
+    if unit in ("m/s^2", "m/s²") and abs(value) >= g_from:
         return f"{text} ({number(value / STANDARD_GRAVITY, digits)} g)"
     return text
 

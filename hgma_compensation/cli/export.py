@@ -9,13 +9,15 @@ from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
 from hgma_compensation.cli.export_tables import loss_table, recording_table
-from hgma_compensation.cli.terminal import check_folder, check_new, console, counting_bar, write_json
+from hgma_compensation.cli.paths import CalibrationPath, ChannelList, RecordingPath
+from hgma_compensation.cli.terminal import check_new, console, counting_bar, write_json
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
 from hgma_compensation.migration.export import Export, make_export
 from hgma_compensation.migration.parameters import AxisConvention
 from hgma_compensation.migration.recording_loss import RecordingLoss, loss_on
 from hgma_compensation.migration.target import Format, Target
+from hgma_compensation.quantities import counted, quantity
 from hgma_compensation.topics import TopicNames
 from hgma_compensation.training.reference import Reference
 
@@ -23,7 +25,7 @@ OF_RECORDING = {"reference_text": "--reference", "start": "--from", "end": "--un
 
 
 @click.command("export", epilog="Example: hgma export calibration.json --format px4 -o imu.params")
-@click.argument("calibration", metavar="CAL", type=options.PathArgument())
+@click.argument("calibration", metavar="CAL", type=CalibrationPath())
 @click.option(
     "--format",
     "format_name",
@@ -50,7 +52,11 @@ OF_RECORDING = {"reference_text": "--reference", "start": "--from", "end": "--un
     help="Axes of the calibration: same as the autopilot's sensor topic, or flu (forward, left, up) of a ROS driver.",
 )
 @click.option(
-    "--channels", "channels_text", metavar="A,B", help="Channels to export; all of the calibration if not given."
+    "--channels",
+    "channels_text",
+    metavar="LIST",
+    type=ChannelList(),
+    help="Comma-separated. Channels to export; all of the calibration if not given.",
 )
 @click.option(
     "--range",
@@ -61,9 +67,7 @@ OF_RECORDING = {"reference_text": "--reference", "start": "--from", "end": "--un
     metavar="FROM TO",
     help="Only these temperatures, °C; all that are calibrated if not given.",
 )
-@click.option(
-    "--recording", "bag", type=options.PathArgument(), metavar="BAG", help="Also state the loss on a recording."
-)
+@click.option("--recording", "bag", type=RecordingPath(), metavar="BAG", help="Also state the loss on a recording.")
 @options.reference
 @click.option("--from", "start", type=float, metavar="S", help="Count samples from S seconds on; the rest is history.")
 @click.option("--until", "end", type=float, metavar="S", help="Count samples before S seconds from the start.")
@@ -92,10 +96,6 @@ def command(
     """
     _check_options(bag)
     check_new(output)
-    if json_path is not None:
-        check_folder(json_path)
-        if json_path.resolve() == output.resolve():
-            raise RefusedError(f"{output} is given twice, with -o and with --json: choose another name for one of them")
     ids = {"linear_acceleration": device_id, "angular_velocity": gyro_device_id}
     target = Target(
         format=Format(format_name),
@@ -139,13 +139,13 @@ def _check_options(bag: Path | None) -> None:
 def _show(export: Export, output: Path) -> None:
     span = export.span
     click.echo(
-        f"{output}: {len(export.parameters)} parameters for {span.lowest:.4g} to {span.highest:.4g} °C "
-        f"about {span.reference:.4g} °C, of {export.calibration.calibration_id}"
+        f"{output}: {counted(len(export.parameters), 'parameter')} for {quantity(span.lowest, '°C')} to "
+        f"{quantity(span.highest, '°C')} about {quantity(span.reference, '°C')}, of {export.calibration.calibration_id}"
     )
     console.print(loss_table(export))
     if not export.target.is_px4:
         constants = ", ".join(
-            f"{f.cubic.channel} {f.cubic.coefficients[0]:.4g} {unit_of(f.cubic.channel)}" for f in export.cubics
+            f"{f.cubic.channel} {quantity(f.cubic.coefficients[0], unit_of(f.cubic.channel))}" for f in export.cubics
         )
         click.echo(
             f"left to the accelerometer's calibration on the vehicle, to be done once these are loaded: {constants}, "

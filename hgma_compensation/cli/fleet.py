@@ -8,11 +8,10 @@ from typing import Any
 
 import click
 from rich.table import Table
-from rich.text import Text
 
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import check_folder, console, progress_bar, write_json
+from hgma_compensation.cli.terminal import new_table, progress_bar, show_table, write_json
 from hgma_compensation.cli.training_options import settings_of, training_options
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
@@ -31,15 +30,25 @@ from hgma_compensation.fleet.run import (
 )
 from hgma_compensation.fleet.status import Status
 from hgma_compensation.fleet.summary import State, Summary, summarise
-from hgma_compensation.report.words import pretty_unit
+from hgma_compensation.quantities import counted, number, shown_unit
 from hgma_compensation.topics import TopicNames
 
 SHOWN = 10
 """Sensors in the table of the terminal; all are in the files."""
 
+WHY_UNKNOWN = "not defined: the recording is too short, or its temperature does not change"
+DIGITS, DIGITS_R_SQUARED = 4, 6
+"""R² differs in its last ones."""
+
 INCOMPLETE, INTERRUPTED = 1, 130
-COLUMNS = ("velocity_random_walk", "temperature_sensitivity", "residual_mean", "residual_standard_deviation")
-MORE_COLUMNS = ("residual_peak_to_peak", "r_squared")
+COLUMNS = (
+    "velocity_random_walk",
+    "temperature_sensitivity",
+    "residual_mean",
+    "residual_standard_deviation",
+    "residual_peak_to_peak",
+    "r_squared",
+)
 
 
 @click.command("fleet", epilog="Example: hgma fleet sensors -o calibrated --limits params/acceptance.yaml")
@@ -86,8 +95,6 @@ def command(
     """
     if workers is not None and scheduler is not None:
         raise RefusedError("--workers and --scheduler exclude each other: the workers are those of the cluster")
-    if json_path is not None:
-        check_folder(json_path)
     limits = read_limits(limits_path) if limits_path is not None else Limits()
     settings = FleetOptions(settings_of(chosen), names, holdout)
     jobs = jobs_of(folder, output, settings)
@@ -128,8 +135,8 @@ def _write(summary: Summary, output: Path, name: str) -> None:
 
 
 def _show(summary: Summary, output: Path) -> None:
-    if summary.worst:
-        console.print(_table(summary))
+    for channel in summary.channels:
+        show_table(_table(summary, channel), WHY_UNKNOWN)
     for unit in summary.failed[:SHOWN]:
         click.echo(f"{unit.name}: not calibrated: {unit.status.reason}")
     if len(summary.failed) > SHOWN:
@@ -142,26 +149,23 @@ def _show(summary: Summary, output: Path) -> None:
     counts = ", ".join(f"{summary.count(state)} {state.value}" for state in State if summary.count(state))
     share = summary.accepted_share
     said = "" if share is None else f"; yield {100.0 * share:.1f} %"
-    click.echo(f"{output / SUMMARY_PAGE}: {len(summary.units)} sensors, {counts}{said}")
+    click.echo(f"{output / SUMMARY_PAGE}: {counted(len(summary.units), 'sensor')}, {counts}{said}")
 
 
-def _table(summary: Summary) -> Table:
-    table = Table(title=Text(f"Worst of {len(summary.units)} sensors, on data that none of them was fitted to"))
-    names = (*COLUMNS, *MORE_COLUMNS)
-    for heading in ("sensor", "state", "channel"):
-        table.add_column(heading)
-    for name in names:
-        table.add_column(BY_NAME[name].short, justify="right", no_wrap=True)
-    for unit in summary.worst[:SHOWN]:
-        for number, (channel, figures) in enumerate(unit.status.channels.items()):
-            cells = [_cell(figures.get(name), BY_NAME[name], channel) for name in names]
-            head = (Text(unit.name), unit.state.value) if number == 0 else (Text(""), "")
-            table.add_row(*head, channel, *cells)
+def _table(summary: Summary, channel: str) -> Table:
+    """Return the worst sensors on a channel; the units stand in the headings, so that six figures fit into a line."""
+    headings = [_heading(BY_NAME[name], channel) for name in COLUMNS]
+    title = f"{channel}: worst of {counted(len(summary.units), 'sensor')}, on data that none was fitted to"
+    table = new_table(title, ("sensor", "state", *headings), numbers=headings)
+    for unit in [unit for unit in summary.worst if channel in unit.status.channels][:SHOWN]:
+        figures = unit.status.channels[channel]
+        table.add_row(unit.name, unit.state.value, *(_cell(figures.get(name), BY_NAME[name]) for name in COLUMNS))
     return table
 
 
-def _cell(value: float | None, figure: Figure, channel: str) -> str:
-    if value is None:
-        return "-"
-    digits = 6 if figure.per is None else 4  # R² differs in its last ones
-    return f"{value:.{digits}g} {pretty_unit(figure.unit(unit_of(channel)))}".rstrip()
+def _heading(figure: Figure, channel: str) -> str:
+    return f"{figure.short}\n{shown_unit(figure.unit(unit_of(channel)))}".rstrip()
+
+
+def _cell(value: float | None, figure: Figure) -> str:
+    return number(value, DIGITS_R_SQUARED if figure.per is None else DIGITS)

@@ -5,10 +5,9 @@ from typing import Any
 
 import click
 from rich.table import Table
-from rich.text import Text
 
 from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import check_folder, check_new, console, write_json
+from hgma_compensation.cli.terminal import check_new, new_table, show_table, write_json
 from hgma_compensation.coverage.effect_names import parse_effects
 from hgma_compensation.effects.registry import kinds
 from hgma_compensation.files import write_atomically
@@ -16,7 +15,9 @@ from hgma_compensation.programme import rules
 from hgma_compensation.programme.plan import Programme, Wishes, plan
 from hgma_compensation.programme.rules import Activity, demand_of
 from hgma_compensation.programme.trial_run import EXAMPLES, scenario_text
+from hgma_compensation.quantities import UNKNOWN, chosen, counted, duration, setting
 
+WHY_UNKNOWN = "the temperature is kept"
 DEFAULTS = Wishes()
 CELSIUS, RATE = click.FloatRange(-100.0, 250.0), click.FloatRange(0.01, 1000.0)
 
@@ -75,14 +76,12 @@ def command(
     Rates, soaks and what is repeated follow from the effects; the last cycle, at a rate of its own, is to be kept out
     of the training. With --scenario the programme can be tried on a simulated sensor before the oven is booked.
     """
-    if json_path is not None:
-        check_folder(json_path)
     if scenario is not None:
         check_new(scenario)
     effects = parse_effects(effects_text) or tuple(kinds())
     made = plan(Wishes(effects=effects, **wished))
     text = scenario_text(made, _simulated(simulated, effects_text, made), seed) if scenario is not None else ""
-    console.print(steps_table(made))
+    show_table(steps_table(made), WHY_UNKNOWN)
     for line in remarks(made):
         click.echo(line)
     if scenario is not None:
@@ -94,44 +93,53 @@ def command(
 def _simulated(text: str | None, effects_text: str, made: Programme) -> tuple[str, ...]:
     if text is not None:
         return parse_effects(text) or tuple(name for name in made.effects if name in EXAMPLES)
-    chosen = click.get_current_context().get_parameter_source("effects_text")
-    named = chosen is not click.core.ParameterSource.DEFAULT and effects_text.strip() != "all"
+    source = click.get_current_context().get_parameter_source("effects_text")
+    named = source is not click.core.ParameterSource.DEFAULT and effects_text.strip() != "all"
     return tuple(name for name in made.effects if name in EXAMPLES) if named else ()
 
 
 def steps_table(made: Programme) -> Table:
-    """Return the steps for the terminal."""
-    table = Table(title=Text(f"Oven programme, {made.duration / 60.0:.1f} h, for {', '.join(made.effects)}"))
-    for heading in ("step", "begins", "°C", "°C/min", "soak min", "min", "part", "what for"):
-        table.add_column(heading, justify="left" if heading in ("part", "what for") else "right")
-    for number, (start, step) in enumerate(zip(made.starts, made.steps, strict=True), start=1):
+    """Return the steps for the terminal; when they begin as hours and minutes."""
+    numbers = ("step", "h:min", "°C", "°C/min", "soak", "lasts")
+    title = f"Oven programme, {_minutes(made.duration)}, for {', '.join(made.effects)}"
+    table = new_table(title, (*numbers, "what for"), numbers=numbers)
+    for place, (start, step) in enumerate(zip(made.starts, made.steps, strict=True), start=1):
+        begins = round(start)
+        moves = step.start != step.to
         table.add_row(
-            str(number),
-            f"{int(start // 60)}:{int(start % 60):02d}",
-            f"{step.start:.4g} → {step.to:.4g}" if step.start != step.to else f"{step.to:.4g}",
-            f"{step.rate:.3g}" if step.start != step.to else "-",
-            f"{step.soak:.0f}",
-            f"{step.duration:.0f}",
-            step.part.value,
-            Text(step.why),
+            str(place),
+            f"{begins // 60}:{begins % 60:02d}",
+            f"{setting(step.start)} → {setting(step.to)}" if moves else setting(step.to),
+            setting(step.rate) if moves else UNKNOWN,
+            _minutes(step.soak),
+            _minutes(step.duration),
+            step.why,
         )
     return table
+
+
+def _minutes(length: float) -> str:
+    """Return a length in min, to whole ones: nobody programmes an oven to the second."""
+    return duration(60.0 * round(length))
 
 
 def remarks(made: Programme) -> list[str]:
     """Return what the table of steps cannot say."""
     said = [
-        f"record at {rules.ACCELEROMETER_RATE:g} Hz or more, the thermistor at {rules.THERMISTOR_RATE:g} Hz or more, "
-        f"better 10{'' if Activity.POWER in made.activities else ', power on all the time'}",
-        f"hold-out: from {60.0 * made.hold_out:.0f} s on; learn with hgma train --until {60.0 * made.hold_out:.0f}",
+        f"record at {chosen(rules.ACCELEROMETER_RATE, 'Hz')} or more, the thermistor at "
+        f"{chosen(rules.THERMISTOR_RATE, 'Hz')} or more, better {chosen(10.0, 'Hz')}"
+        f"{'' if Activity.POWER in made.activities else ', power on all the time'}",
+        f"hold-out: from {_minutes(made.hold_out)} on; learn with hgma train --until {60.0 * made.hold_out:.0f}",
     ]
     said += [f"{name}: {demand_of(name).why}" for name in made.effects]
     for activity in made.activities:
         times = [one.time for one in made.happenings if one.activity is activity]
         names = ", ".join(name for name in made.effects if demand_of(name).activity is activity)
-        said.append(f"{names}: {activity.value}; {len(times)} times, first at {times[0]:.0f} s (all with --json)")
+        first = f"{counted(len(times), 'time')}, first after {duration(times[0])} (all with --json)"
+        said.append(f"{names}: {activity.value}; {first}")
     said += [
-        f"dropped: {one.name}, for which {one.hours:.1f} h more are needed than --hours {made.wishes.hours:g}"
+        f"dropped: {one.name}, for which {duration(3600.0 * one.hours)} more are needed than --hours "
+        f"{setting(made.wishes.hours or 0.0)}"
         for one in made.dropped
     ]
     return [*said, *(f"note: {note}" for note in made.notes)]

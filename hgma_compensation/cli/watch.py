@@ -6,17 +6,25 @@ from pathlib import Path
 from typing import Any
 
 import click
+from rich.console import Group, RenderableType
 from rich.live import Live
+from rich.text import Text
 
+from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import console, write_json
+from hgma_compensation.cli.terminal import console, new_table, write_json
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.quantities import UNKNOWN, number, shown_unit
 from hgma_compensation.topics import TopicNames
 from hgma_compensation.watching import view
 from hgma_compensation.watching.window import Window
 
 PERIOD = 1.0
 """s between two looks."""
+
+FIGURES = ("raw", "drift", "compensated", "deviation", "uncertainty")
+HEADINGS = ("raw", "drift", "compensated", "spread", "uncertainty")
+WHY_UNKNOWN = "nothing of that kind has come within the last second"
 
 
 @click.command("watch", epilog="Example: hgma watch --remap /accel/raw:=/imu/data_raw")
@@ -90,6 +98,18 @@ class _Screen:
         """Show a window of some seconds."""
         self.last = view.figures(window, seconds)
         if self._live is not None:
-            self._live.update(view.lines(self.last, advice), refresh=True)
+            self._live.update(live_table(self.last, advice), refresh=True)
         else:
             click.echo(view.line(self.last) + (f" | {advice}" if advice else ""))
+
+
+def live_table(seen: dict[str, Any], advice: str) -> RenderableType:
+    """Return the figures for a terminal that is drawn anew; advice: what to do where something does not come."""
+    title = "Means over the last second; spread of samples, uncertainty of the drift"
+    table = new_table(title, ("channel", "unit", *HEADINGS), numbers=HEADINGS)
+    for name, channel in seen["channels"].items():
+        table.add_row(name, shown_unit(unit_of(name)), *(number(channel[key]) for key in FIGURES))
+    unknown = any(channel[key] is None for channel in seen["channels"].values() for key in FIGURES)
+    below = [Text(f"{UNKNOWN}: {WHY_UNKNOWN}")] if unknown else []
+    below += [Text(view.line(seen))]
+    return Group(table, *below, *([Text(advice, style="yellow")] if advice else []))

@@ -17,7 +17,7 @@ from hgma_compensation.effects.effect import Effect, Need
 from hgma_compensation.effects.hysteresis import Hysteresis
 from hgma_compensation.effects.registry import kinds
 from hgma_compensation.effects.thermal_lag import ThermalLag
-from hgma_compensation.report.words import number
+from hgma_compensation.quantities import counted, number
 from hgma_compensation.training.train import SMALLEST_SPAN
 
 OF_NOISE, OF_DRIFT = 3.0, 0.005
@@ -133,21 +133,21 @@ class Judge:
             return f"{self.sweeps} sweeps: averaged with other memories, none is named by itself", True
         if kind.name == "warm_up":
             few = power_ons < FEWEST_EVENTS
-            return f"{_count(power_ons, 'power-on')}{', which says little of the next one' if few else ''}", few
+            return f"{counted(power_ons, 'power-on')}{', which says little of the next one' if few else ''}", few
         if kind.name == "post_shock_zero_shift":
-            return _count(shocks, "shock"), shocks < FEWEST_EVENTS
+            return counted(shocks, "shock"), shocks < FEWEST_EVENTS
         if kind.name == "aging":
             few = hours < SHORTEST_AGING
             later = ", which says little of later days" if few else ""
-            return f"{hours:.3g} h, {number(float(np.ptp(point.values)) / hours)} an hour{later}", few
+            return f"{hours:.3g} h, {number(float(np.ptp(point.values)) / hours, 3)} an hour{later}", few
         return ("", False) if kind.folds_in_time or kind.needs or kind.input_driven else (self._excitation(), False)
 
     def _excitation(self) -> str:
         rates = self.happened.rates
         if not rates:
             return "no ramp"
-        said = f"{_count(len(rates), 'ramp rate')}, {', '.join(f'{rate:.2g}' for rate in rates)} °C/min"
-        return f"{_count(self.sweeps, 'sweep')} at {said}"
+        said = f"{counted(len(rates), 'ramp rate')}, {', '.join(f'{rate:.2g}' for rate in rates)} °C/min"
+        return f"{counted(self.sweeps, 'sweep')} at {said}"
 
 
 def look_alikes(points: Sequence[Point], effects: Sequence[str]) -> tuple[LookAlike, ...]:
@@ -194,7 +194,3 @@ def _parameter(points: Sequence[Point], point: Point, small: float) -> Parameter
 
 def _remedy(kind: type[Effect]) -> str:
     return f"record {kind.identified_by}" if kind.identified_by else ""
-
-
-def _count(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from hgma_compensation.channels import unit_of
 from hgma_compensation.fleet.figures import FIGURES, Figure, Worse
 from hgma_compensation.fleet.summary import Summary, Unit
+from hgma_compensation.quantities import shown_unit
 from hgma_compensation.report.pictures.canvas import Chart, instant, label, level, logarithmic
 from hgma_compensation.report.pictures.svg import COLOURS
-from hgma_compensation.report.words import number, pretty_unit, unit
+from hgma_compensation.report.words import number, unit
 
 Array = NDArray[np.float64]
 MOST_BARS, FEWEST_BARS = 40, 8
@@ -27,7 +28,7 @@ def histogram(summary: Summary, channel: str, figure: Figure) -> Chart | None:
     known = np.array([value for value in summary.values(channel, figure.name) if value is not None])
     if not len(known):
         return None
-    unit_text = pretty_unit(figure.unit(unit_of(channel)))
+    unit_text = shown_unit(figure.unit(unit_of(channel)))
     chart = Chart(
         figure.title[0].upper() + figure.title[1:], f"Median {number(float(np.median(known)))} {unit_text}.", height=2.2
     )

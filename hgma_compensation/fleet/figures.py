@@ -42,10 +42,10 @@ class Figure:
 
 FIGURES = (
     Figure("raw_span", "raw span", "raw span", Worse.UP),
-    Figure("raw_temperature_sensitivity", "raw temperature sensitivity", "raw sensitivity", Worse.AWAY, "/°C"),
+    Figure("raw_temperature_sensitivity", "raw temperature sensitivity", "raw slope", Worse.AWAY, "/°C"),
     Figure("velocity_random_walk", "noise (velocity random walk)", "noise", Worse.UP, "/√Hz"),
     Figure("bias_instability", "bias instability", "instability", Worse.UP),
-    Figure("temperature_sensitivity", "temperature sensitivity left", "sensitivity", Worse.AWAY, "/°C"),
+    Figure("temperature_sensitivity", "temperature sensitivity left", "slope", Worse.AWAY, "/°C"),
     Figure("residual_mean", "residual mean", "mean", Worse.AWAY),
     Figure("residual_standard_deviation", "residual standard deviation", "deviation", Worse.UP),
     Figure("residual_peak_to_peak", "residual peak to peak", "span", Worse.UP),

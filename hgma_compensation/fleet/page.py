@@ -9,10 +9,11 @@ from hgma_compensation.channels import unit_of
 from hgma_compensation.fleet.charts import charts_of
 from hgma_compensation.fleet.figures import BY_NAME, FIGURES
 from hgma_compensation.fleet.summary import BEYOND, State, Summary, Unit
+from hgma_compensation.quantities import counted, shown_unit
 from hgma_compensation.report.cards import charts
 from hgma_compensation.report.markup import Html, bullets, details, element, inner, paragraphs, table
 from hgma_compensation.report.page import page, section
-from hgma_compensation.report.words import counted, number, pretty_unit
+from hgma_compensation.report.words import measured, number
 
 WORST = 15
 DIGITS = 6
@@ -120,10 +121,7 @@ def _share(badness: float) -> str:
 
 def _quantity(value: float | None, name: str, channel: str) -> str:
     figure = BY_NAME[name]
-    if value is None:
-        return "–"
-    digits = DIGITS if figure.per is None else 3
-    return f"{number(value, digits)} {pretty_unit(figure.unit(unit_of(channel)))}".rstrip()
+    return measured(value, figure.unit(unit_of(channel)), DIGITS if figure.per is None else 3)
 
 
 def _outliers(summary: Summary) -> list[Html]:
@@ -162,7 +160,7 @@ def _channel(summary: Summary, channel: str) -> Html:
             broken = summary.broken_by(channel, figure.name)
             limit = limits.get(figure.name)
             words = "" if limit is None else f"{'≥' if figure.name == 'r_squared' else '≤'} {limit:g}"
-            unit = pretty_unit(figure.unit(unit_of(channel)))
+            unit = shown_unit(figure.unit(unit_of(channel)))
             middle = known[(len(known) - 1) // 2]
             digits = DIGITS if figure.per is None else 4
             cells = [number(value, digits) for value in (known[0], middle, known[-1])]

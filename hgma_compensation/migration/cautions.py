@@ -9,6 +9,7 @@ from hgma_compensation.channels import AXES, GROUPS
 from hgma_compensation.migration import ardupilot, px4
 from hgma_compensation.migration.cubic import FittedCubic, Span
 from hgma_compensation.migration.parameters import groups_of
+from hgma_compensation.quantities import quantity
 
 
 def warnings_of(
@@ -32,7 +33,7 @@ def _of_calibration(calibration: Calibration, fitted: Sequence[FittedCubic]) -> 
     if not box.lower[1] <= 0.0 <= box.upper[1]:
         yield (
             "the training recordings never rested: the calibrated rates do not include 0 °C/s, the cubic is that of "
-            f"the slowest, {min(box.lower[1], box.upper[1], key=abs):.3g} °C/s; record soaks and train again"
+            f"the slowest, {quantity(min(box.lower[1], box.upper[1], key=abs), '°C/s', 3)}; record soaks and train again"
         )
     names = _names(fitted)
     for group in groups_of(names):
@@ -76,7 +77,7 @@ def _of_ardupilot(fitted: Sequence[FittedCubic], span: Span, instance: int) -> I
         largest = float(np.abs(f.cubic.evaluate(span.grid())).max())
         if f.cubic.channel.startswith(GROUPS[0]) and largest > ardupilot.LARGEST_OFFSET:
             yield (
-                f"{f.cubic.channel} drifts by up to {largest:.3g} m/s²: INS_ACCOFFS, which must take up what there is "
+                f"{f.cubic.channel} drifts by up to {quantity(largest, 'm/s^2', 3)}: INS_ACCOFFS, which must take up what there is "
                 f"of it at the temperature of the accelerometer's calibration, is documented for ±"
                 f"{ardupilot.LARGEST_OFFSET:g} m/s²"
             )

@@ -9,6 +9,7 @@ from hgma_compensation.channels import unit_of
 from hgma_compensation.drift.inputs import Array
 from hgma_compensation.kalman.settings import FilterMode
 from hgma_compensation.migration.steady_drift import steady_drift
+from hgma_compensation.quantities import quantity
 
 FILTERS = {
     FilterMode.SMOOTH: "Kalman stage that smooths",
@@ -29,7 +30,7 @@ def not_carried(calibration: Calibration, channels: Sequence[str]) -> tuple[str,
     answers = dict(zip(calibration.names, _answers_to_rate(calibration).tolist(), strict=True))
     for channel in exported:
         if answers[channel.name] > NEGLIGIBLE * channel.error.unseen:
-            size = f"{channel.name} (up to {answers[channel.name]:.3g} {unit_of(channel.name)})"
+            size = f"{channel.name} (up to {quantity(answers[channel.name], unit_of(channel.name), 3)})"
             found.setdefault("answer of the drift to the temperature's rate", []).append(size)
     for applied in calibration.effects:
         if applied.channel in channels:

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.quantities import STANDARD_GRAVITY as STANDARD_GRAVITY
 from hgma_compensation.recording.csv_columns import read_columns
 from hgma_compensation.recording.recording import Recording, Series
 from hgma_compensation.stamps import NANOSECONDS
 
-STANDARD_GRAVITY = 9.80665
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 ACCELERATION_UNITS = {
     "m/s^2": 1.0,

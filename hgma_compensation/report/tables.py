@@ -3,6 +3,7 @@
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis, reported_name
+from hgma_compensation.quantities import shown_unit
 from hgma_compensation.report.markup import Html, element, table
 from hgma_compensation.report.sentences import BADGES, times_floor
 from hgma_compensation.report.words import (
@@ -11,7 +12,6 @@ from hgma_compensation.report.words import (
     instant,
     number,
     plain_name,
-    pretty_unit,
     quantity,
 )
 
@@ -53,7 +53,7 @@ def calibrated_effects(calibration: Calibration, channel: str) -> Html:
                     applied.effect.title,
                     element("code", applied.effect.name),
                     ", ".join(all_parameters(applied.effect)) or "none",
-                    f"{text} {pretty_unit(unit_of(channel) + applied.effect.gain_unit)}",
+                    f"{text} {shown_unit(unit_of(channel) + applied.effect.gain_unit)}",
                 ]
             )
     if not rows:

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.report.words import counted, listed
+from hgma_compensation.quantities import counted
+from hgma_compensation.report.words import listed
 
 
 @dataclass(frozen=True)

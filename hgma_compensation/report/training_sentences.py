@@ -3,13 +3,14 @@
 import numpy as np
 
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
+from hgma_compensation.quantities import counted
 from hgma_compensation.report.cards import command
 from hgma_compensation.report.markup import inner
 from hgma_compensation.report.pictures.ramps import direction, still_rate
 from hgma_compensation.report.pictures.training import METHODS
 from hgma_compensation.report.sentences import NOTABLY_ABOVE
 from hgma_compensation.report.training_result import TrainedChannel, TrainingResult
-from hgma_compensation.report.words import SPACE, counted, number, quantity
+from hgma_compensation.report.words import SPACE, number, quantity
 from hgma_compensation.training.methods import GAIN, STRAIGHT, Method
 
 BETTER = 0.9

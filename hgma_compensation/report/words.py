@@ -1,53 +1,56 @@
-"""Numbers, units and effects in words."""
+"""Numbers, units and effects as a page shows them: ``quantities`` says them, here they are set as in print."""
 
+import re
 from collections.abc import Sequence
 from datetime import datetime, timezone
-from math import floor, isfinite, log10
 from typing import Any
 
-from hgma_compensation.channels import group_of, unit_of
+from hgma_compensation import quantities
+from hgma_compensation.channels import unit_of
 from hgma_compensation.effects.effect import Effect
 from hgma_compensation.effects.registry import kinds
-from hgma_compensation.recording.csv_table import STANDARD_GRAVITY
+from hgma_compensation.quantities import STANDARD_GRAVITY, shown_unit
 
 SMALLEST_P = 1e-12
 """Below it a p-value says more about the noise model than about chance."""
+
+DIGITS = 3
+"""Significant digits of what a page says; beside the pictures more would only be in the way."""
 
 SPACE = "\u00a0"
 """Between a number and its unit: they stay on one line."""
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_EXPONENT = re.compile(r"e([+-]\d+)")
 
 
-def number(value: float, digits: int = 3) -> str:
-    """Return a number with so many digits that count, without an exponent where it can be read without."""
-    if not isfinite(value):
+def set_in_print(text: str) -> str:
+    """Return a number or quantity of ``quantities`` with a true minus, powers of ten, and no place to break it."""
+    if text == quantities.UNKNOWN:
         return "–"
-    if value == 0.0:
-        return "0"
-    places = digits - 1 - floor(log10(abs(value)))
-    if -3 <= floor(log10(abs(value))) < 7:
-        return f"{round(value, places):.{max(places, 0)}f}".replace("-", "−")
-    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-    return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}".replace("-", "−")
+    powers = _EXPONENT.sub(lambda found: "·10" + str(int(found.group(1))).translate(_SUPERSCRIPTS), text)
+    return powers.replace("-", "−").replace(" ", SPACE)
 
 
-def pretty_unit(unit: str) -> str:
-    """Return a unit as it is printed."""
-    return unit.replace("^2", "²").replace("*", "·")
+def number(value: float | None, digits: int = DIGITS) -> str:
+    """Return a number with so many digits that count, without an exponent where it can be read without."""
+    return set_in_print(quantities.number(value, digits))
 
 
 def unit(channel: str) -> str:
     """Return the unit of a channel as it is printed."""
-    return pretty_unit(unit_of(channel))
+    return shown_unit(unit_of(channel))
 
 
-def quantity(value: float, channel: str) -> str:
+def measured(value: float | None, its_unit: str, digits: int = DIGITS) -> str:
+    """Return a value with its unit."""
+    return set_in_print(quantities.quantity(value, its_unit, digits, g_from=float("inf")))
+
+
+def quantity(value: float | None, channel: str) -> str:
     """Return a value of a channel with its unit, and in g beside it where it is an acceleration of 0.1 g or more."""
-    plain = f"{number(value)}{SPACE}{unit(channel)}"
-    if group_of(channel) == "linear_acceleration" and abs(value) >= 0.1 * STANDARD_GRAVITY:
-        return f"{plain} ({number(value / STANDARD_GRAVITY)}{SPACE}g)"
-    return plain
+    shown = quantities.quantity(value, unit_of(channel), DIGITS, g_from=0.1 * STANDARD_GRAVITY)
+    return set_in_print(shown).replace(f"{SPACE}(", " (")
 
 
 def probability(value: float) -> str:
@@ -58,10 +61,8 @@ def probability(value: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in the unit that suits it."""
-    if seconds < 120.0:
-        return f"{number(seconds)}{SPACE}s"
-    return f"{number(seconds / 60.0)}{SPACE}min" if seconds < 7200.0 else f"{number(seconds / 3600.0)}{SPACE}h"
+    """Return a time in its two largest units."""
+    return set_in_print(quantities.duration(seconds))
 
 
 def instant(nanoseconds: float) -> str:
@@ -72,11 +73,6 @@ def instant(nanoseconds: float) -> str:
 def listed(items: Sequence[str]) -> str:
     """Return items as in a sentence: a, b and c."""
     return " and ".join([", ".join(items[:-1]), items[-1]] if len(items) > 1 else items)
-
-
-def counted(count: int, what: str) -> str:
-    """Return how many of something there are."""
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def plain_name(name: str) -> str:
@@ -102,7 +98,7 @@ def parameter(effect: Effect, name: str, value: Any) -> str:
         return f"{label} {duration(float(value))}"
     if not span.unit:
         return f"{label} {float(value):g}"
-    return f"{label} {number(float(value))}{SPACE}{pretty_unit(span.unit)}"
+    return f"{label} {measured(float(value), span.unit)}"
 
 
 def found_parameters(effect: Effect) -> list[str]:

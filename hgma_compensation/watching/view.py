@@ -1,11 +1,6 @@
-"""A window of a node's topics as a table, a line, and figures."""
+"""A window of a node's topics as figures, and those as a line."""
 
 from typing import Any
-
-from rich import box
-from rich.console import Group, RenderableType
-from rich.table import Table
-from rich.text import Text
 
 from hgma_compensation.channels import CHANNELS, unit_of
 from hgma_compensation.quantities import quantity
@@ -33,19 +28,6 @@ def figures(window: Window, seconds: float) -> dict[str, Any]:
         "level": None if window.condition is None else _named(LEVEL, window.condition[0]),
         "channels": {name: _channel(window, name) for name in _names(window)},
     }
-
-
-def lines(seen: dict[str, Any], advice: str) -> RenderableType:
-    """Return the figures for a terminal that is drawn anew; advice: what to do where something does not come."""
-    table = Table(title="means over the last second, as published", box=box.SIMPLE_HEAD)
-    table.add_column("channel")
-    for heading in ("raw", "drift", "compensated", "deviation of samples", "uncertainty of the drift"):
-        table.add_column(heading, justify="right")
-    for name, channel in seen["channels"].items():
-        fields = (channel[key] for key in ("raw", "drift", "compensated", "deviation", "uncertainty"))
-        table.add_row(name, *(quantity(value, unit_of(name)) for value in fields))
-    below = [Text(line(seen))] + ([Text(advice, style="yellow")] if advice else [])
-    return Group(table, *below)
 
 
 def line(seen: dict[str, Any]) -> str:

@@ -3,10 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from hgma_compensation.quantities import counted
 from hgma_compensation.report.pictures.aligned import align
 from hgma_compensation.report.pictures.canvas import Chart, cloud, instant, label, level, line, thinned
 from hgma_compensation.report.pictures.evidence import Evidence
-from hgma_compensation.report.words import counted, unit
+from hgma_compensation.report.words import unit
 
 Array = NDArray[np.float64]
 

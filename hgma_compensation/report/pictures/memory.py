@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from hgma_compensation.quantities import counted
 from hgma_compensation.report.pictures.aligned import Aligned, align, corners, soaks
 from hgma_compensation.report.pictures.canvas import Chart, cloud, instant, label, level, line, thinned
 from hgma_compensation.report.pictures.evidence import Evidence
 from hgma_compensation.report.pictures.ramps import DIRECTIONS, name_directions
-from hgma_compensation.report.words import counted, number, plain_name, unit
+from hgma_compensation.report.words import number, plain_name, unit
 
 Array = NDArray[np.float64]
 
