@@ -80,7 +80,7 @@ setup(
     extras_require={"ros": ROS, "offline": OFFLINE, "fleet": FLEET, "test": TEST},
     entry_points={
         "console_scripts": [
-            f"hgma = {NAME}.cli.main:main",
+            f"hgma = {NAME}.cli.entry:main",
             f"compensation_node = {NAME}.node.main:main",
         ],
     },

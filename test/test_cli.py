@@ -130,6 +130,7 @@ def test_mistakes_are_one_line_with_exit_code_two(tmp_path, bag, calibration_fil
     assert "exists" in refused(capsys, "compensate", bag, "--calibration", cal, "-o", bag)
     assert "no directory" in refused(capsys, "train", bag, "-o", tmp_path / "no" / "cal.json")
     assert "is a directory" in refused(capsys, "train", bag, "-o", bag)
+    assert "--sensor-id has 201 characters" in refused(capsys, "train", bag, "-o", out, "--sensor-id", 201 * "a")
     assert "--remap" in refused(capsys, "evaluate", bag, "--calibration", cal, "--remap", "x")
     assert "scenario" in refused(capsys, "simulate", cal, "-o", out)
     assert "is not UTF-8" in refused(capsys, "inspect", bag / "bag.mcap")

@@ -6,7 +6,9 @@ import pty
 import select
 import signal
 import subprocess
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +20,8 @@ from hgma_compensation.cli import output_folder
 from hgma_compensation.demo.processes import HGMA, private_ros_environment
 from hgma_compensation.progress import counted
 from hgma_compensation.recording.bag_writer import write_recording
+
+ROOT = Path(__file__).parents[1]
 
 SCENARIO = """
 scenario: 1
@@ -167,3 +171,37 @@ def test_what_was_played_is_told_also_when_it_is_stopped(tmp_path):
     assert json.loads(out)["interrupted"] is True
     assert 0 < json.loads(out)["messages"] < messages
     assert "messages played, interrupted" in err
+
+
+def test_an_interruption_while_the_program_loads_is_no_traceback(tmp_path):
+    """A module that takes for ever to load stands for the moment in which nothing has begun."""
+    (tmp_path / "click.py").write_text("import time\nprint('loading', flush=True)\ntime.sleep(60)\n")
+    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    process = subprocess.Popen(
+        [sys.executable, "-m", "hgma_compensation.cli.entry"],
+        env={**os.environ, "PYTHONPATH": path},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "loading\n"
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=30.0)
+    assert (process.returncode, said) == (130, "interrupted, nothing was written\n")
+
+
+def test_what_the_caller_ignores_is_ignored_while_the_program_loads(tmp_path):
+    (tmp_path / "click.py").write_text(
+        "import time\nprint('loading', flush=True)\ntime.sleep(1)\nraise SystemExit(7)\n"
+    )
+    path = os.pathsep.join([str(tmp_path), str(ROOT)])
+    process = subprocess.Popen(
+        ["sh", "-c", 'trap "" INT; exec "$0" -m hgma_compensation.cli.entry', sys.executable],
+        env={**os.environ, "PYTHONPATH": path},
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "loading\n"
+    process.send_signal(signal.SIGINT)
+    assert process.wait(30.0) == 7
+    process.stdout.close()

@@ -91,3 +91,11 @@ def test_a_file_that_is_no_table_is_refused(tmp_path):
     (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
     with pytest.raises(RefusedError, match=r"binary\.csv"):
         read_table(tmp_path / "binary.csv", columns)
+
+
+def test_progress_tells_of_bytes_up_to_nearly_all_of_them(tmp_path):
+    file = write(tmp_path / "t.csv", [f"{row},25,{row}" for row in range(45_000)])
+    told = []
+    read_table(file, Columns(time="t", temperature="T", channels=CHANNELS), told.append)
+    assert all(step >= 0 for step in told)
+    assert 0.8 * file.stat().st_size < sum(told) <= file.stat().st_size

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,9 @@ from hgma_compensation.channels import columns_of
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.evaluation.allan import FLICKER_FLOOR, allan_curve, bias_instability, velocity_random_walk
 from hgma_compensation.evaluation.evaluate import compare, evaluate
+from hgma_compensation.evaluation.evaluate_bag import evaluate_bag
+from hgma_compensation.recording.bag_writer import write_recording
+from hgma_compensation.topics import TopicNames
 from hgma_compensation.training.methods import Method
 from hgma_compensation.training.reference import Reference
 from hgma_compensation.training.train import TrainingOptions, train
@@ -77,3 +81,11 @@ def test_samples_that_are_not_finite_do_not_count():
     result = evaluate(broken, make_calibration(), Reference())
     assert {channel.raw.samples for channel in result.channels} == {len(RECORDING.stamps) - 1}
     assert all(np.isfinite(channel.raw.rms_error) for channel in result.channels)
+
+
+def test_a_recording_without_a_finite_sample_is_refused_with_the_channels_and_a_remedy(tmp_path):
+    recording = make_recording(duration_s=100.0)
+    broken = replace(recording, values=np.full_like(recording.values, np.nan))
+    write_recording(broken, tmp_path / "bag")
+    with pytest.raises(RefusedError, match=r"linear_acceleration\.z.*train with the --channels"):
+        evaluate_bag(tmp_path / "bag", make_calibration(), Reference.parse("mean"), names=TopicNames())

@@ -9,6 +9,9 @@ from hgma_compensation.effects.stage import EffectStage
 from hgma_compensation.kalman.settings import FilterSettings
 from hgma_compensation.temperature.features import FeatureSettings
 
+LONGEST_SENSOR_ID = 200
+"""Characters, as calibration.schema.json allows."""
+
 
 @dataclass(frozen=True)
 class ChannelError:

@@ -8,7 +8,7 @@ from click.core import ParameterSource
 
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.cli import options, paths
-from hgma_compensation.cli.terminal import check_new, counting_bar, progress_bar, write_json
+from hgma_compensation.cli.terminal import check_new, counting_bar, write_json
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.migration.presets import PRESETS
 from hgma_compensation.quantities import count, duration
@@ -99,8 +99,8 @@ def command(file: Path, output: Path, storage: Storage, json_path: Path | None, 
         only=only,
         frame=chosen["frame_id"],
     )
-    with progress_bar("reading"):
-        recording = read_table(file, columns)
+    with counting_bar("reading", file.stat().st_size) as advance:
+        recording = read_table(file, columns, advance)
     with counting_bar("writing", 2.0 * len(recording.stamps)) as advance:
         write_recording(recording, output, storage, advance)
     click.echo(

@@ -1,6 +1,7 @@
 """Error of a bag before and after compensation, in memory that does not depend on its length."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from hgma_compensation import topics
@@ -39,29 +40,64 @@ def evaluate_bag(
     RefusedError where the bag lacks what the calibration needs, or no sample is left.
     """
     return_memory()
+    gathered = LongEvaluation(calibration, reference)
+    for window in judged_windows(path, calibration, names=names, span=span, remembered=remembered, progress=progress):
+        gathered.add(window.counted(window.part))
+        if observe is not None:
+            observe(window.part, window.result)
+    return gathered.evaluation()
+
+
+@dataclass(frozen=True)
+class JudgedWindow:
+    """Samples as they go by, counted or not, and what the pipeline made of them. span: stamps that count, ns."""
+
+    part: Part
+    result: Compensated
+    span: tuple[int, int] | None
+
+    def counted(self, part: Part) -> Part:
+        """Return those samples of this window, or of another output for it, that count."""
+        return part if self.span is None else part.within(self.span)
+
+
+def judged_windows(
+    path: Path,
+    calibration: Calibration,
+    *,
+    names: topics.TopicNames,
+    span: tuple[float | None, float | None],
+    remembered: bool,
+    progress: Advance | None,
+) -> Iterator[JudgedWindow]:
+    """Yield the samples of a bag, compensated, in their order; arguments and refusals as of ``evaluate_bag``."""
     path, extent, stamps = Path(path), None, None
     if span != (None, None):
         whole = survey(path, names)
         if whole is not None:
             extent = Extent(whole.name, whole.start, whole.duration)
             stamps = extent.span(*span)
+    counted = 0
     with open_bag(path) as bag:
         found = BagTopics(bag, path, names)
         run = OfflineRun(bag, path, found, calibration, found.read, None if remembered else stamps)
-        gathered = LongEvaluation(calibration, reference)
         for batch, made in run.windows():
             if made is not None and len(made.samples):
                 raw = made.messages.values[made.samples][:, columns_of(calibration.names)]
                 result = made.result
                 part = Part(made.messages.stamps[made.samples], raw, result.values, result.features[:, 0].copy())
-                gathered.add(part.within(stamps) if remembered and stamps is not None else part)
-                if observe is not None:
-                    observe(part, result)
+                window = JudgedWindow(part, result, stamps if remembered else None)
+                counted += len(window.counted(part).stamps)
+                yield window
             if progress is not None:
                 progress(len(batch))
     if not run.samples:
         raise no_samples(path, found) if extent is None else extent.nothing_left(*span)
     run.check()
-    if not gathered.samples:
-        raise RefusedError(f"{path.name} has no sample that is finite in all channels that the calibration needs")
-    return gathered.evaluation()
+    if not counted and remembered and extent is not None:
+        raise extent.nothing_left(*span)
+    if not counted:
+        raise RefusedError(
+            f"{path.name} has no sample that is finite in all of {', '.join(calibration.names)}, which the calibration "
+            "needs: look for NaN in what the driver publishes, or train with the --channels that the sensor delivers"
+        )

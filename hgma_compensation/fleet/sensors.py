@@ -3,14 +3,12 @@
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from hgma_compensation.calibration.calibration import LONGEST_SENSOR_ID
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.plain_values import is_text
 
 STORAGES = (".mcap", ".db3")
 METADATA = "metadata.yaml"
-LONGEST_NAME = 200
-"""Characters of a sensor's id in a calibration."""
-
 HOLDOUTS = ("holdout*", "accept*")
 """Names of recordings to judge on, where none is named."""
 
@@ -33,8 +31,8 @@ def sensor_names(source: Path) -> tuple[str, ...]:
     for name in names:
         if not is_text(name):
             raise RefusedError(f"{source} holds a folder whose name is no printable text, {name!a}: rename it")
-        if len(name) > LONGEST_NAME:
-            raise RefusedError(f"folder {name} has a name of more than {LONGEST_NAME} characters: rename it")
+        if len(name) > LONGEST_SENSOR_ID:
+            raise RefusedError(f"folder {name} has a name of more than {LONGEST_SENSOR_ID} characters: rename it")
     return tuple(names)
 
 

@@ -31,9 +31,10 @@ def warnings_of(
 def _of_calibration(calibration: Calibration, fitted: Sequence[FittedCubic]) -> Iterator[str]:
     box = calibration.calibrated_range
     if not box.lower[1] <= 0.0 <= box.upper[1]:
+        slowest = quantity(min(box.lower[1], box.upper[1], key=abs), "°C/s", 3)
         yield (
             "the training recordings never rested: the calibrated rates do not include 0 °C/s, the cubic is that of "
-            f"the slowest, {quantity(min(box.lower[1], box.upper[1], key=abs), '°C/s', 3)}; record soaks and train again"
+            f"the slowest, {slowest}; record soaks and train again"
         )
     names = _names(fitted)
     for group in groups_of(names):
@@ -77,8 +78,8 @@ def _of_ardupilot(fitted: Sequence[FittedCubic], span: Span, instance: int) -> I
         largest = float(np.abs(f.cubic.evaluate(span.grid())).max())
         if f.cubic.channel.startswith(GROUPS[0]) and largest > ardupilot.LARGEST_OFFSET:
             yield (
-                f"{f.cubic.channel} drifts by up to {quantity(largest, 'm/s^2', 3)}: INS_ACCOFFS, which must take up what there is "
-                f"of it at the temperature of the accelerometer's calibration, is documented for ±"
+                f"{f.cubic.channel} drifts by up to {quantity(largest, 'm/s^2', 3)}: INS_ACCOFFS, which must take up "
+                f"what there is of it at the temperature of the accelerometer's calibration, is documented for ±"
                 f"{ardupilot.LARGEST_OFFSET:g} m/s²"
             )
 

@@ -12,9 +12,13 @@ from numpy.typing import NDArray
 
 from hgma_compensation.bounded_files import lines_of, open_regular
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.progress import Advance
 
 MOST_ROWS = 200_000_000
 """Two days at 1 kHz."""
+
+TOLD_EVERY = 10_000
+"""Rows."""
 
 ROW_REMEDY = "remove the row, or leave rows out at the beginning with --skip-rows"
 
@@ -26,10 +30,12 @@ def read_columns(
     skip_rows: int = 0,
     most_rows: int = MOST_ROWS,
     remedy: str = ROW_REMEDY,
+    progress: Advance | None = None,
 ) -> dict[str, NDArray[np.float64]]:
     """Return the columns (n,) under the names of the mapping, whose values are header names or numbers from 1 on.
 
-    skip_rows: data rows to leave out at the beginning; rows without a field do not count. Raises RefusedError naming
+    skip_rows: data rows to leave out at the beginning; rows without a field do not count. progress: told of
+    bytes read. Raises RefusedError naming
     the line and column of what is no finite number, a column that is missing, and a file that is no table.
     """
     try:
@@ -41,7 +47,11 @@ def read_columns(
             names = [name.strip() for name in header]
             places = [_place(path, names, column) for column in columns.values()]
             numbers = [array("d") for _ in places]
+            told = 0
             for index, row in enumerate(reader):
+                if progress is not None and index % TOLD_EVERY == 0:
+                    progress(file.tell() - told)
+                    told = file.tell()
                 if index < skip_rows or not row:
                     continue
                 _append(path, reader.line_num, row, places, numbers, names, remedy)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.progress import Advance
 from hgma_compensation.quantities import STANDARD_GRAVITY as STANDARD_GRAVITY
 from hgma_compensation.recording.csv_columns import read_columns
 from hgma_compensation.recording.recording import Recording, Series
@@ -56,14 +57,14 @@ class Columns:
     frame: str = field(default="imu_link")
 
 
-def read_table(path: Path, columns: Columns) -> Recording:
-    """Return the recording in a CSV file.
+def read_table(path: Path, columns: Columns, progress: Advance | None = None) -> Recording:
+    """Return the recording in a CSV file; progress: told of bytes read.
 
     Raises RefusedError naming the line and column of what is no number, and where time does not increase.
     """
     if not columns.channels:
         raise RefusedError("no channel is named: give at least one of --linear-acceleration-z COLUMN and its kind")
-    table = _read_columns(Path(path), columns)
+    table = _read_columns(Path(path), columns, progress)
     seconds = table["time"] * TIME_UNITS[columns.time_unit]
     shift = _to_positive(seconds)
     inside = (seconds >= (-np.inf if columns.start is None else columns.start)) & (
@@ -128,7 +129,7 @@ def _rows_of(
     return {name: numbers[rows] for name, numbers in table.items()}
 
 
-def _read_columns(path: Path, columns: Columns) -> dict[str, NDArray[np.float64]]:
+def _read_columns(path: Path, columns: Columns, progress: Advance | None) -> dict[str, NDArray[np.float64]]:
     wanted = {"time": columns.time, "temperature": columns.temperature, **columns.channels}
     for name in ("temperature_2", "supply_voltage"):
         column = getattr(columns, name)
@@ -136,7 +137,7 @@ def _read_columns(path: Path, columns: Columns) -> dict[str, NDArray[np.float64]
             wanted[name] = column
     if columns.only is not None:
         wanted["only"] = columns.only[0]
-    table = read_columns(path, wanted, skip_rows=columns.skip_rows)
+    table = read_columns(path, wanted, skip_rows=columns.skip_rows, progress=progress)
     if columns.only is not None:
         table = _rows_of(path, table, *columns.only)
     if (rows := len(table["time"])) < 2:

@@ -7,7 +7,12 @@ from typing import Any
 import numpy as np
 
 from hgma_compensation import __version__
-from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration, ChannelError
+from hgma_compensation.calibration.calibration import (
+    LONGEST_SENSOR_ID,
+    Calibration,
+    ChannelCalibration,
+    ChannelError,
+)
 from hgma_compensation.calibration.document import with_id
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.drift.inputs import Array
@@ -64,6 +69,7 @@ def train(recordings: Sequence[Source], options: TrainingOptions, progress: Prog
 
     Raises RefusedError where the recordings cannot carry it.
     """
+    sensor_id_of(recordings, options)
     channels = choose_channels(recordings, options.channels)
     settings = feature_settings(
         recordings,
@@ -74,6 +80,18 @@ def train(recordings: Sequence[Source], options: TrainingOptions, progress: Prog
     block = block_length(recordings, options.block)
     blocks = block_means(recordings, channels, settings, block)
     return train_on_blocks(blocks, recordings, channels, settings, block, options, progress)
+
+
+def sensor_id_of(recordings: Sequence[Source], options: TrainingOptions) -> str:
+    """Return the name of the sensor that the calibration will carry; raises RefusedError where no file can carry it."""
+    name = options.sensor_id or recordings[0].frame or "unnamed"
+    if len(name) > LONGEST_SENSOR_ID:
+        whose = "--sensor-id" if options.sensor_id else "the frame of the messages"
+        raise RefusedError(
+            f"{whose} has {len(name)} characters, more than the {LONGEST_SENSOR_ID} that a calibration can carry: "
+            "give a shorter --sensor-id"
+        )
+    return name
 
 
 def block_length(recordings: Sequence[Source], shortest: float) -> float:
@@ -104,7 +122,7 @@ def train_on_blocks(
         fitted.append(fit.calibrate(name, float(references[column]), noisy, progress))
     return with_id(
         Calibration(
-            sensor_id=options.sensor_id or recordings[0].frame or "unnamed",
+            sensor_id=sensor_id_of(recordings, options),
             features=settings,
             calibrated_range=CalibratedRange.of(blocks.features),
             channels=tuple(fitted),
