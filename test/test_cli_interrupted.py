@@ -191,9 +191,7 @@ def test_an_interruption_while_the_program_loads_is_no_traceback(tmp_path):
 
 
 def test_what_the_caller_ignores_is_ignored_while_the_program_loads(tmp_path):
-    (tmp_path / "click.py").write_text(
-        "import time\nprint('loading', flush=True)\ntime.sleep(1)\nraise SystemExit(7)\n"
-    )
+    (tmp_path / "click.py").write_text("import sys, time\nprint('loading', flush=True)\ntime.sleep(1)\nsys.exit(7)\n")
     path = os.pathsep.join([str(tmp_path), str(ROOT)])
     process = subprocess.Popen(
         ["sh", "-c", 'trap "" INT; exec "$0" -m hgma_compensation.cli.entry', sys.executable],

@@ -5,16 +5,19 @@ import shlex
 import numpy as np
 import pytest
 from builders import make_calibration, make_recording
+from fleet_folders import write_small_fleet
 from test_cli import QUICK, run
 
 from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.cli import folder
+from hgma_compensation.cli.fleet import INCOMPLETE
 from hgma_compensation.cli.folder import CalibrationHere, Here, RecordingHere, TableHere, Topic, look
 from hgma_compensation.cli.main import COMMANDS
 from hgma_compensation.cli.next_step import lines, steps
+from hgma_compensation.fleet.run import SUMMARY_JSON, SUMMARY_PAGE
 from hgma_compensation.recording.bag_writer import write_recording
 
-RUNNABLE = {"simulate", "import-csv", "train", "evaluate", "compensate", "inspect"}
+RUNNABLE = {"simulate", "import-csv", "plan", "check", "train", "evaluate", "compensate", "inspect", "export"}
 """Commands that end by themselves and need no longer recording than the tests make; diagnose has test_cli_diagnose."""
 
 
@@ -50,23 +53,29 @@ def write_table(path, header):
 def test_an_empty_folder_gets_the_ways_to_begin(here, capsys):
     text = printed(capsys)
     commands = suggested(text)
-    assert [words[:2] for words in commands] == [["hgma", "simulate"], ["ros2", "bag"], ["hgma", "import-csv"]]
+    assert [words[:2] for words in commands] == [
+        ["hgma", "simulate"],
+        ["hgma", "plan"],
+        ["ros2", "bag"],
+        ["hgma", "import-csv"],
+    ]
     assert os.path.exists(commands[0][2])
-    assert "/accel/raw" in commands[1]
+    assert run(*commands[1][1:]) == 0
+    assert "/accel/raw" in commands[2]
 
 
 def test_what_it_says_leads_from_a_table_to_a_compensated_recording(here, capsys):
     write_table(here / "my oven.csv", "Time [s],T,az")
     done = []
-    for _ in range(8):
+    for _ in range(10):
         todo = [w for w in suggested(printed(capsys)) if w[0] == "hgma" and w[1] in RUNNABLE - {"simulate"} - set(done)]
         if not todo:
             break
         words = todo[0][1:]
         assert run(*words, *(QUICK if words[0] == "train" else [])) == 0
         done.append(words[0])
-    assert done == ["import-csv", "train", "evaluate", "compensate", "inspect"]
-    assert {"my oven", "my oven_compensated", "calibration.json"} <= set(os.listdir())
+    assert done == ["import-csv", "check", "train", "evaluate", "compensate", "inspect", "export"]
+    assert {"my oven", "my oven_compensated", "calibration.json", "imu.params"} <= set(os.listdir())
 
 
 @pytest.mark.parametrize("name", ["-table", "it's", "a;b", "ü$HOME"])
@@ -74,7 +83,7 @@ def test_names_of_any_kind_are_quoted(here, capsys, name):
     write_bag(here / name)
     write_calibration(make_calibration(), here / f"{name}.json")
     commands = [words for words in suggested(printed(capsys)) if words[1] in RUNNABLE]
-    assert {words[1] for words in commands} == {"evaluate", "compensate", "inspect"}
+    assert {words[1] for words in commands} == {"evaluate", "compensate", "inspect", "export"}
     for words in commands:
         assert run(*words[1:]) == 0
 
@@ -123,6 +132,29 @@ def test_the_longest_is_trained_on_and_the_next_judges():
     cal = CalibrationHere(folder.Path("cal.json"), "sha256-0123456789abcdef")
     evaluate = steps(Here(recordings=bags, calibrations=[cal]), COMMANDS)[0]
     assert evaluate.words[:3] == ("hgma", "evaluate", "c")
+
+
+def test_a_fleet_is_calibrated_and_its_summary_found(here, capsys):
+    write_small_fleet(here / "sensors", 3)
+    words = suggested(printed(capsys))[0]
+    assert words == ["hgma", "fleet", "sensors", "-o", "calibrated"]
+    assert run(*words[1:], *QUICK) == INCOMPLETE  # one has no thermistor
+    text = printed(capsys)
+    assert "Fleet's summary: calibrated/summary.html" in text
+    assert suggested(text) == [words]
+    assert (folder.SUMMARY_JSON, folder.SUMMARY_PAGE) == (SUMMARY_JSON, SUMMARY_PAGE)
+
+
+def test_recordings_of_some_days_are_no_fleet(here, capsys):
+    (here / "bags").mkdir()
+    for day in ("day1", "day2"):
+        write_bag(here / "bags" / day)
+    assert {words[1] for words in suggested(printed(capsys))} == {"check", "train"}
+
+
+def test_a_node_is_watched_and_moved_from(here, capsys):
+    write_calibration(make_calibration(), here / "cal.json")
+    assert [words[1] for words in suggested(printed(capsys))] == ["inspect", "node", "watch", "export"]
 
 
 def test_only_commands_that_there_are_are_named():

@@ -21,6 +21,12 @@ HEAD = 4096
 METADATA_HEAD = 1 << 16
 """Bytes of the beginning that is read; the topics of a bag come after the list of its files."""
 
+FEWEST_SENSORS, MOST_SENSORS = 2, 4
+"""Folders of sensors that make a fleet, and that are looked into: of one that is large the first tell enough."""
+
+SUMMARY_JSON, SUMMARY_PAGE = "summary.json", "summary.html"
+"""What hgma fleet leaves (fleet.run, which takes long to load)."""
+
 METADATA, STORAGE_SUFFIXES = "metadata.yaml", (".mcap", ".db3")
 
 _CALIBRATION_ID = re.compile(r'"calibration_id":\s*"(sha256-[0-9a-f]{16})"')
@@ -67,6 +73,7 @@ class TableHere:
 class Here:
     """What was found, paths as a command takes them.
 
+    fleets: folders that hold a folder with recordings for each of several sensors. fleet_results: made of those.
     unfinished: folders with a storage file but without metadata. names: all entries of the folder itself.
     """
 
@@ -76,6 +83,8 @@ class Here:
     scenarios: list[Path] = field(default_factory=list)
     diagnoses: list[Path] = field(default_factory=list)
     unfinished: list[Path] = field(default_factory=list)
+    fleets: list[Path] = field(default_factory=list)
+    fleet_results: list[Path] = field(default_factory=list)
     names: frozenset[str] = frozenset()
 
 
@@ -92,10 +101,14 @@ def look(folder: Path = Path()) -> Here:
                 below = _entries(path, MOST_BELOW)
                 if {"diagnosis.json", "calibration.json"} <= {one.name for one in below}:
                     here.diagnoses.append(path)
+                if {SUMMARY_JSON, SUMMARY_PAGE} <= {one.name for one in below}:
+                    here.fleet_results.append(path)
+                    continue  # its files are of the whole fleet
                 files += [path / one.name for one in below if not _is_folder(one)]
-                for one in below:
-                    if _is_folder(one):
-                        _take_bag(here, path / one.name)
+                folders = [path / one.name for one in below if _is_folder(one)]
+                sensors = [one for one in folders if not _take_bag(here, one)]
+                if sum(map(_holds_recordings, sensors[:MOST_SENSORS])) >= FEWEST_SENSORS:
+                    here.fleets.append(path)
     for file in files[:MOST_FILES]:
         _take_file(here, file)
     return here
@@ -138,6 +151,13 @@ def _take_bag(here: Here, path: Path) -> bool:
         here.unfinished.append(path)
         return True
     return False
+
+
+def _holds_recordings(folder: Path) -> bool:
+    return any(
+        os.path.isfile(folder / entry.name / METADATA) or Path(entry.name).suffix in STORAGE_SUFFIXES
+        for entry in _entries(folder, MOST_BELOW)
+    )
 
 
 def _take_file(here: Here, path: Path) -> None:

@@ -7,12 +7,9 @@ from pathlib import Path
 
 from hgma_compensation import topics
 from hgma_compensation.cli.folder import Here, RecordingHere, TableHere
-from hgma_compensation.cli.recording_topics import complaint, remaps, usable
+from hgma_compensation.cli.found_here import MOST_NAMED, found
+from hgma_compensation.cli.recording_topics import remaps, usable
 from hgma_compensation.cli.table_columns import import_options
-from hgma_compensation.quantities import duration
-
-MOST_NAMED = 3
-"""Names of a kind that the first lines list."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +30,7 @@ def lines(here: Here, commands: Collection[str], scenario: Path | None = None) -
 
     commands: names of the commands that there are. scenario: one that comes with the package.
     """
-    text = [*_found(here), ""]
+    text = [*found(here), ""]
     for step in steps(here, commands, scenario):
         text += [f"{step.purpose}:", f"    {step.command}"]
     known = ", ".join(commands)
@@ -42,14 +39,20 @@ def lines(here: Here, commands: Collection[str], scenario: Path | None = None) -
 
 def steps(here: Here, commands: Collection[str], scenario: Path | None = None) -> list[Step]:
     """Return the next steps, the first of them first; only commands that there are."""
-    found = [step for step in _steps(here, scenario) if step.words[0] != "hgma" or step.words[1] in commands]
-    return list({step.words: step for step in found}.values())
+    there = [step for step in _steps(here, scenario) if step.words[0] != "hgma" or step.words[1] in commands]
+    return list({step.words: step for step in there}.values())
 
 
 def _steps(here: Here, scenario: Path | None) -> Iterator[Step]:
     recordings = _sources(here)
     for folder in here.unfinished[:1]:
         yield Step("Finish the recording that was cut off", ("ros2", "bag", "reindex", _path(folder)))
+    for folder in here.fleets[:1]:
+        output = _path(here.fleet_results[0]) if here.fleet_results else _free(here, "calibrated")
+        yield Step(
+            "Calibrate and judge every sensor of a folder (the same again does what is missing)",
+            ("hgma", "fleet", _path(folder), "-o", output),
+        )
     if here.calibrations and recordings:
         yield from _with_both(here, recordings)
     elif here.calibrations:
@@ -58,7 +61,7 @@ def _steps(here: Here, scenario: Path | None) -> Iterator[Step]:
         yield from _with_recordings(here, recordings)
     elif here.tables:
         yield from (_import(here, table) for table in here.tables[:MOST_NAMED])
-    if not recordings and not here.calibrations:
+    if not recordings and not here.calibrations and not here.fleets:
         example = next((one for one in here.scenarios if one.stem == "oven_test"), None)
         example = example or (here.scenarios[0] if here.scenarios else scenario)
         if example is not None:
@@ -67,9 +70,10 @@ def _steps(here: Here, scenario: Path | None) -> Iterator[Step]:
                 "Simulate an oven test, to try it without a sensor",
                 ("hgma", "simulate", _path(example), "-o", output),
             )
-    if not recordings and not here.calibrations and not here.tables:
+    if not recordings and not here.calibrations and not here.tables and not here.fleets:
+        yield Step("Or plan the oven's day", ("hgma", "plan"))
         yield Step(
-            "Or record your still sensor in the oven",
+            "Record your still sensor in the oven",
             (
                 "ros2",
                 "bag",
@@ -142,6 +146,11 @@ def _with_calibration(here: Here, calibration: str | None = None) -> Iterator[St
         "Run the node with it (-r accel/raw:=imu/data_raw where the driver's topics have other names)",
         ("hgma", "node", "--ros-args", "-p", f"calibration_file:={path}"),
     )
+    yield Step("Watch what the node receives and publishes, from another terminal", ("hgma", "watch"))
+    yield Step(
+        "Or write the cubic that PX4 takes, with what that loses (for ArduPilot: --format ardupilot)",
+        ("hgma", "export", path, "--format", "px4", "-o", _free(here, "imu", ".params")),
+    )
 
 
 def _import(here: Here, table: TableHere) -> Step:
@@ -158,33 +167,6 @@ def _sources(here: Here) -> list[RecordingHere]:
     return sorted(
         (one for one in here.recordings if usable(one)), key=lambda one: (-(one.duration or 0.0), str(one.path))
     )
-
-
-def _found(here: Here) -> list[str]:
-    kinds = (
-        ("recording", [f"{one.path}{_lasting(one)}" for one in here.recordings]),
-        ("calibration", [str(one.path) for one in here.calibrations]),
-        ("diagnosis", [str(path / "report.html") for path in here.diagnoses]),
-        ("table", [str(one.path) for one in here.tables]),
-        ("scenario", [str(path) for path in here.scenarios]),
-    )
-    found = [f"{_plural(kind, len(names))}: {_list(names)}" for kind, names in kinds if names]
-    found += [f"{one.path} {reason}" for one in here.recordings if (reason := complaint(one))][:MOST_NAMED]
-    return found or ["Here are no recording, no calibration and no table."]
-
-
-def _plural(kind: str, number: int) -> str:
-    many = {"diagnosis": "diagnoses"}.get(kind, f"{kind}s")
-    return kind.capitalize() if number == 1 else f"{number} {many}"
-
-
-def _list(names: Sequence[str]) -> str:
-    more = len(names) - MOST_NAMED
-    return ", ".join(names[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
-
-
-def _lasting(one: RecordingHere) -> str:
-    return "" if one.duration is None else f" ({duration(one.duration)})"
 
 
 def _free(here: Here, stem: str, suffix: str = "") -> str:
