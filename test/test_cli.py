@@ -4,9 +4,10 @@ import os
 import numpy as np
 import pytest
 from builders import make_calibration, make_recording
+from cli_runs import refused, run
 
 from hgma_compensation.calibration.document import read_calibration, write_calibration
-from hgma_compensation.cli.main import COMMANDS, main
+from hgma_compensation.cli.main import COMMANDS
 from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.effects.registry import make
 from hgma_compensation.recording.bag_reader import read_recording
@@ -25,19 +26,6 @@ def bag(tmp_path):
 def calibration_file(tmp_path):
     write_calibration(make_calibration(), tmp_path / "cal.json")
     return tmp_path / "cal.json"
-
-
-def run(*words):
-    return main([str(word) for word in words])
-
-
-def refused(capsys, *words):
-    assert run(*words) == 2
-    captured = capsys.readouterr()
-    assert captured.err.startswith("error: ")
-    assert captured.err.count("\n") == 1
-    assert "Traceback" not in captured.err
-    return captured.err
 
 
 def test_from_a_table_to_a_figure(tmp_path, capsys):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from autopilots import commas, ground_station, shell
 from builders import make_calibration, make_recording
+from cli_runs import refused, run
 
 from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.channels import CHANNELS
-from hgma_compensation.cli.main import main
 from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.effects.registry import make
 from hgma_compensation.evaluation.evaluate import evaluate
@@ -36,18 +36,6 @@ def cal(tmp_path):
 def bag(tmp_path):
     write_recording(make_recording(duration_s=300.0, cycles=2.0), tmp_path / "bag")
     return tmp_path / "bag"
-
-
-def run(*words):
-    return main([str(word) for word in words])
-
-
-def refused(capsys, *words):
-    assert run(*words) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("error: ")
-    assert error.count("\n") == 1
-    return error
 
 
 @EACH

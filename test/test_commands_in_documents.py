@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import make_calibration
-from document_shell import NOT_RUN, ROOT, blocks, run_document
+from document_shell import NOT_RUN, ROOT, blocks, is_printed, outputs, run_document
 
 from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.recording.bag_reader import read_recording
@@ -61,7 +61,17 @@ def folder(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("document", WITH_COMMANDS, ids=lambda path: path.name)
 def test_commands_run_as_they_stand(document, folder):
-    run_document(document, folder, seconds=280.0)
+    printed = run_document(document, folder, seconds=280.0)
+    for shown in outputs(document):
+        assert is_printed(shown, printed), f"{shown}\n\nis shown, printed was\n\n{printed}"
+
+
+def test_what_is_shown_is_compared_word_by_word():
+    printed = "a 12.0 m/s² (3.1 g)\n ────\n b -5 c"
+    assert is_printed("12.1 m/s² (3.1 g) b", printed)
+    assert not is_printed("13.1 m/s² (3.1 g) b", printed)
+    assert not is_printed("12.0 m/s²  b", printed)
+    assert not is_printed("b 5 c", printed)
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)

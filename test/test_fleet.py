@@ -12,6 +12,7 @@ import time
 from dataclasses import replace
 
 import pytest
+from cli_runs import refused, run
 from fleet_folders import (
     OPTIONS,
     QUICK,
@@ -29,7 +30,6 @@ from refusals import refusal_of
 from report_diagnosis import Checker, words
 
 from hgma_compensation.calibration.document import read_calibration
-from hgma_compensation.cli.main import main
 from hgma_compensation.evaluation.evaluate import compare
 from hgma_compensation.fleet import job as job_module
 from hgma_compensation.fleet.limits import Limits
@@ -57,18 +57,6 @@ def calibrated(fleet, tmp_path_factory):
     """The same fleet calibrated; not to be changed."""
     output = tmp_path_factory.mktemp("fleet") / "calibrated"
     return output, run_fleet(fleet, output)
-
-
-def run(*words):
-    return main([str(word) for word in words])
-
-
-def refused(capsys, *words):
-    assert run(*words) == 2
-    captured = capsys.readouterr()
-    assert captured.err.startswith("error: ")
-    assert captured.err.count("\n") == 1
-    return captured.err
 
 
 def test_each_sensor_is_what_train_and_evaluate_would_have_written(fleet, calibrated, tmp_path):

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 from autopilots import ground_station, px4_offset
+from cli_runs import refused, run
 
-from hgma_compensation.cli.main import main
 from hgma_compensation.migration.presets import PRESETS
 from hgma_compensation.recording.bag_reader import read_recording
 
@@ -68,18 +68,6 @@ def ardupilot_table(path, sensors=(0,), rows=60):
         **{f"Gyr{axis}": 0.001 * np.repeat(v, count) + number for axis, v in zip("XYZ", values.T, strict=True)},
     }
     return write(path, ARDUPILOT, columns), time, temperature, values
-
-
-def run(*words):
-    return main([str(word) for word in words])
-
-
-def refused(capsys, *words):
-    assert run(*words) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("error: ")
-    assert error.count("\n") == 1
-    return error
 
 
 def test_an_accelerometer_of_px4(tmp_path):

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import make_calibration
+from document_shell import is_printed
 from test_import_presets import ardupilot_table, px4_table
 
 from hgma_compensation.calibration.document import write_calibration
@@ -18,6 +19,15 @@ TEXT = (Path(__file__).parents[1] / "docs" / "MIGRATION.md").read_text(encoding=
 BLOCKS = re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL)
 INLINE = [c for c in re.findall(r"`(hgma (?:import-csv|export)[^`]*)`", TEXT) if " -o " in c]
 RECORDING = chamber_table()
+
+
+SHOWN = re.search(r"^```text\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE).group(1)
+SHOWING = 3
+"""Number of the command that prints it."""
+
+
+def without_id(text):
+    return re.sub(r"sha256-[0-9a-f]{16}", "ID", text)
 
 
 def words(command):
@@ -50,13 +60,16 @@ def rows_of_the_table():
 @pytest.mark.slow
 @pytest.mark.timeout(900)
 @pytest.mark.skipif(RECORDING is None, reason=f"no measured data: set {VARIABLE} to its folder")
-def test_the_example_says_what_its_commands_say(tmp_path, monkeypatch):
+def test_the_example_says_what_its_commands_say(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "chamber_imu.csv").symlink_to(RECORDING.resolve())
     found = {}
     for number, command in enumerate("".join(BLOCKS).splitlines()):
         arguments = words(command)
         assert main([*arguments, "--json", f"{number}.json"]) == 0, command
+        printed = capsys.readouterr().out
+        if number == SHOWING:
+            assert is_printed(without_id(SHOWN), without_id(printed)), printed
         losses = json.loads((tmp_path / f"{number}.json").read_text()).get("recording")
         if losses:
             found[arguments[1]] = {k: np.array([loss[k] for loss in losses.values()]) for k in ("raw", "cubic", "full")}

@@ -15,7 +15,7 @@ from hgma_compensation.cli.terminal import new_table, progress_bar, show_table, 
 from hgma_compensation.cli.training_options import settings_of, training_options
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
-from hgma_compensation.fleet.figures import BY_NAME, Figure
+from hgma_compensation.fleet.figures import BY_NAME, SUMMARISED, Figure
 from hgma_compensation.fleet.limits import Limits, read_limits
 from hgma_compensation.fleet.local_engine import cores
 from hgma_compensation.fleet.options import FleetOptions
@@ -30,25 +30,14 @@ from hgma_compensation.fleet.run import (
 )
 from hgma_compensation.fleet.status import Status
 from hgma_compensation.fleet.summary import State, Summary, summarise
-from hgma_compensation.quantities import counted, number, shown_unit
+from hgma_compensation.quantities import DIGITS, counted, number, shown_unit
 from hgma_compensation.topics import TopicNames
 
 SHOWN = 10
 """Sensors in the table of the terminal; all are in the files."""
 
 WHY_UNKNOWN = "not defined: the recording is too short, or its temperature does not change"
-DIGITS, DIGITS_R_SQUARED = 4, 6
-"""R² differs in its last ones."""
-
 INCOMPLETE, INTERRUPTED = 1, 130
-COLUMNS = (
-    "velocity_random_walk",
-    "temperature_sensitivity",
-    "residual_mean",
-    "residual_standard_deviation",
-    "residual_peak_to_peak",
-    "r_squared",
-)
 
 
 @click.command("fleet", epilog="Example: hgma fleet sensors -o calibrated --limits params/acceptance.yaml")
@@ -154,12 +143,12 @@ def _show(summary: Summary, output: Path) -> None:
 
 def _table(summary: Summary, channel: str) -> Table:
     """Return the worst sensors on a channel; the units stand in the headings, so that six figures fit into a line."""
-    headings = [_heading(BY_NAME[name], channel) for name in COLUMNS]
+    headings = [_heading(BY_NAME[name], channel) for name in SUMMARISED]
     title = f"{channel}: worst of {counted(len(summary.units), 'sensor')}, on data that none was fitted to"
     table = new_table(title, ("sensor", "state", *headings), numbers=headings)
     for unit in [unit for unit in summary.worst if channel in unit.status.channels][:SHOWN]:
         figures = unit.status.channels[channel]
-        table.add_row(unit.name, unit.state.value, *(_cell(figures.get(name), BY_NAME[name]) for name in COLUMNS))
+        table.add_row(unit.name, unit.state.value, *(_cell(figures.get(name), BY_NAME[name]) for name in SUMMARISED))
     return table
 
 
@@ -168,4 +157,4 @@ def _heading(figure: Figure, channel: str) -> str:
 
 
 def _cell(value: float | None, figure: Figure) -> str:
-    return number(value, DIGITS_R_SQUARED if figure.per is None else DIGITS)
+    return number(value, figure.digits(DIGITS))

@@ -33,6 +33,10 @@ class Figure:
         """Return the figure's unit for a channel's."""
         return "" if self.per is None else channel_unit + self.per
 
+    def digits(self, usual: int) -> int:
+        """Return the significant digits to show of a figure: the usual ones, more of R², which differs in its last."""
+        return 6 if self.per is None else usual
+
     def badness(self, value: float) -> float:
         """Return how bad a value is: 0 at best, in the figure's unit."""
         if self.worse is Worse.DOWN:
@@ -52,6 +56,16 @@ FIGURES = (
     Figure("r_squared", "R²", "R²", Worse.DOWN, None),
 )
 BY_NAME = {figure.name: figure for figure in FIGURES}
+
+SUMMARISED = (
+    "velocity_random_walk",
+    "temperature_sensitivity",
+    "residual_mean",
+    "residual_standard_deviation",
+    "residual_peak_to_peak",
+    "r_squared",
+)
+"""Names of the figures that stand beside each sensor, in terminal and page."""
 
 Figures = dict[str, float | None]
 """By the names of FIGURES, in the channel's unit and what the figure adds to it; None where one is not defined."""

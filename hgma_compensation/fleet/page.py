@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from hgma_compensation import __version__
 from hgma_compensation.channels import unit_of
 from hgma_compensation.fleet.charts import charts_of
-from hgma_compensation.fleet.figures import BY_NAME, FIGURES
+from hgma_compensation.fleet.figures import BY_NAME, FIGURES, SUMMARISED
 from hgma_compensation.fleet.summary import BEYOND, State, Summary, Unit
 from hgma_compensation.quantities import counted, shown_unit
 from hgma_compensation.report.cards import charts
@@ -16,11 +16,6 @@ from hgma_compensation.report.page import page, section
 from hgma_compensation.report.words import measured, number
 
 WORST = 15
-DIGITS = 6
-"""Of R², which differs in its last ones."""
-
-SHOWN = ("velocity_random_walk", "temperature_sensitivity", "residual_mean", "residual_standard_deviation")
-SHOWN_TOO = ("residual_peak_to_peak", "r_squared")
 
 BADGES = {
     State.ACCEPTED: "explained",
@@ -99,7 +94,7 @@ def _worst(summary: Summary) -> Html:
 
 def _units(units: Sequence[Unit], summary: Summary) -> Html:
     """Return a table of units; a channel is named only where there are several."""
-    names, several = (*SHOWN, *SHOWN_TOO), len(summary.channels) > 1
+    several = len(summary.channels) > 1
     heads = ["sensor", "state", *(["of limit", "breaks"] if summary.limits else ["of median"])]
     heads += ["channel"] if several else []
     first = len(heads)
@@ -110,9 +105,9 @@ def _units(units: Sequence[Unit], summary: Summary) -> Html:
             if summary.limits:
                 own.append(", ".join(BY_NAME[one.figure].short for one in unit.broken if one.channel == channel))
             own += [channel] if several else []
-            rows.append([*own, *(_quantity(figures.get(name), name, channel) for name in names)])
-    heads += [BY_NAME[name].short for name in names]
-    return table(heads, rows, numbers=(2, *range(first, first + len(names))))
+            rows.append([*own, *(_quantity(figures.get(name), name, channel) for name in SUMMARISED)])
+    heads += [BY_NAME[name].short for name in SUMMARISED]
+    return table(heads, rows, numbers=(2, *range(first, first + len(SUMMARISED))))
 
 
 def _share(badness: float) -> str:
@@ -121,7 +116,7 @@ def _share(badness: float) -> str:
 
 def _quantity(value: float | None, name: str, channel: str) -> str:
     figure = BY_NAME[name]
-    return measured(value, figure.unit(unit_of(channel)), DIGITS if figure.per is None else 3)
+    return measured(value, figure.unit(unit_of(channel)), figure.digits(3))
 
 
 def _outliers(summary: Summary) -> list[Html]:
@@ -162,8 +157,7 @@ def _channel(summary: Summary, channel: str) -> Html:
             words = "" if limit is None else f"{'≥' if figure.name == 'r_squared' else '≤'} {limit:g}"
             unit = shown_unit(figure.unit(unit_of(channel)))
             middle = known[(len(known) - 1) // 2]
-            digits = DIGITS if figure.per is None else 4
-            cells = [number(value, digits) for value in (known[0], middle, known[-1])]
+            cells = [number(value, figure.digits(4)) for value in (known[0], middle, known[-1])]
             rows.append([figure.title, unit, *cells, words, str(broken) if limit is not None else ""])
     heads = ("figure", "unit", "least", "median", "greatest", "limit", "broken by")
     return element(

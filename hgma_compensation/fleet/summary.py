@@ -126,11 +126,7 @@ class Summary:
                     "minimum": min(known),
                     "maximum": max(known),
                     "limit": limits.get(figure.name),
-                    "broken_by": sum(
-                        (one.channel, one.figure) == (channel, figure.name)
-                        for unit in self.units
-                        for one in unit.broken
-                    ),
+                    "broken_by": self.broken_by(channel, figure.name),
                 }
         return result
 
