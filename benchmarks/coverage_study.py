@@ -23,7 +23,8 @@ from hgma_compensation.coverage.result import EffectCheck, Level
 from hgma_compensation.diagnosis.diagnose import diagnose
 from hgma_compensation.diagnosis.recordings import HELD_OUT
 from hgma_compensation.effects.registry import kinds
-from hgma_compensation.programme.plan import Wishes, plan
+from hgma_compensation.programme.plan import plan
+from hgma_compensation.programme.programme import Wishes
 from hgma_compensation.programme.trial_run import EXAMPLES, Document, scenario_document
 from hgma_compensation.recording.recording import Recording
 from hgma_compensation.simulation.oven_test import simulate_with_truth

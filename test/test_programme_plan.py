@@ -11,7 +11,8 @@ from test_cli import run as hgma
 from hgma_compensation.effects.registry import kinds
 from hgma_compensation.programme import rules
 from hgma_compensation.programme.activities import OFF
-from hgma_compensation.programme.plan import Wishes, plan, rates, soak_for
+from hgma_compensation.programme.plan import plan, rates, soak_for
+from hgma_compensation.programme.programme import Wishes
 from hgma_compensation.programme.rules import DEMANDS, Activity, demand_of
 from hgma_compensation.programme.steps import Part
 

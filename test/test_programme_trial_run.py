@@ -5,7 +5,8 @@ import yaml
 from test_cli import refused
 from test_cli import run as hgma
 
-from hgma_compensation.programme.plan import Wishes, plan
+from hgma_compensation.programme.plan import plan
+from hgma_compensation.programme.programme import Wishes
 from hgma_compensation.programme.trial_run import EXAMPLES, scenario_document, scenario_text
 from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.simulation.scenario import read_scenario

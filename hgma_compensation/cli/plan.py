@@ -12,7 +12,8 @@ from hgma_compensation.coverage.effect_names import parse_effects
 from hgma_compensation.effects.registry import kinds
 from hgma_compensation.files import write_atomically
 from hgma_compensation.programme import rules
-from hgma_compensation.programme.plan import Programme, Wishes, plan
+from hgma_compensation.programme.plan import plan
+from hgma_compensation.programme.programme import Programme, Wishes
 from hgma_compensation.programme.rules import Activity, demand_of
 from hgma_compensation.programme.trial_run import EXAMPLES, scenario_text
 from hgma_compensation.quantities import UNKNOWN, chosen, counted, duration, setting

@@ -7,7 +7,8 @@ import numpy as np
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.coverage.facts import happened, recording_facts
-from hgma_compensation.coverage.judge import OF_DRIFT, OF_NOISE, Judge, look_alikes
+from hgma_compensation.coverage.judge import OF_DRIFT, OF_NOISE, Judge
+from hgma_compensation.coverage.look_alikes import look_alikes
 from hgma_compensation.coverage.provisional import provisional
 from hgma_compensation.coverage.reading import Reading
 from hgma_compensation.coverage.result import ChannelCheck, Check, RecordingFacts

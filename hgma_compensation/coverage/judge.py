@@ -7,15 +7,13 @@ import numpy as np
 
 from hgma_compensation.channels import group_of
 from hgma_compensation.coverage.facts import Happened
-from hgma_compensation.coverage.result import EffectCheck, Level, LookAlike, Parameter
+from hgma_compensation.coverage.result import EffectCheck, Level, Parameter
 from hgma_compensation.coverage.sensitivity import Point, Sensitivity, fraction
 from hgma_compensation.coverage.trials import LARGER, MOST_LARGER, confirmed
 from hgma_compensation.diagnosis.diagnose import FEWEST_SWEEPS
 from hgma_compensation.diagnosis.polish import searched_parameter
-from hgma_compensation.diagnosis.result import reported_name
 from hgma_compensation.effects.effect import Effect, Need
 from hgma_compensation.effects.hysteresis import Hysteresis
-from hgma_compensation.effects.registry import kinds
 from hgma_compensation.effects.thermal_lag import ThermalLag
 from hgma_compensation.quantities import counted, number
 from hgma_compensation.training.train import SMALLEST_SPAN
@@ -34,9 +32,6 @@ FEWEST_EVENTS = 3
 
 SHORTEST_AGING = 24.0
 """h: what a sensor does within a day is no more than the beginning of its aging."""
-
-ALIKE = 0.95
-"""Correlation of what no drift model carries of two effects, beyond which they are not told apart."""
 
 AVERAGED = (ThermalLag, Hysteresis)
 """Kinds that a diagnosis of fewer sweeps averages over."""
@@ -148,32 +143,6 @@ class Judge:
             return "no ramp"
         said = f"{counted(len(rates), 'ramp rate')}, {', '.join(f'{rate:.2g}' for rate in rates)} °C/min"
         return f"{counted(self.sweeps, 'sweep')} at {said}"
-
-
-def look_alikes(points: Sequence[Point], effects: Sequence[str]) -> tuple[LookAlike, ...]:
-    """Return the kinds of which at least half of the parameters tried look like another kind, most alike first.
-
-    effects: names of kinds, of which one at least must be in a pair.
-    """
-    wanted = {reported_name_of(name) for name in effects}
-    found: dict[frozenset[str], float] = {}
-    names = sorted({reported_name(point.effect) for point in points})
-    for name in names:
-        own = [point for point in points if reported_name(point.effect) == name]
-        for rival in {point.rival for point in own if point.rival}:
-            alike = [point.correlation for point in own if point.rival == rival and point.correlation > ALIKE]
-            pair = frozenset((name, reported_name_of(rival)))
-            if 2 * len(alike) >= len(own) and pair & wanted:
-                found[pair] = max(found.get(pair, 0.0), float(np.median(alike)))
-    return tuple(
-        LookAlike(min(pair), max(pair), correlation)
-        for pair, correlation in sorted(found.items(), key=lambda item: -item[1])
-    )
-
-
-def reported_name_of(name: str) -> str:
-    """Return the name under which a diagnosis reports a kind."""
-    return kinds()[name].family or name
 
 
 def _typical(points: Sequence[Point], small: float) -> Point:

@@ -9,7 +9,7 @@ from hgma_compensation.effects.registry import kinds
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.programme import rules
 from hgma_compensation.programme.activities import Happening
-from hgma_compensation.programme.plan import Programme
+from hgma_compensation.programme.programme import Programme
 from hgma_compensation.programme.rules import Activity
 
 Document = dict[str, Any]
