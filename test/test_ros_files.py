@@ -1,4 +1,3 @@
-import ast
 import sys
 from pathlib import Path
 
@@ -10,7 +9,6 @@ from robot import Robot
 from hgma_compensation.demo.processes import private_ros_environment, running
 from hgma_compensation.pipeline.state_fields import FILTER_CODES
 from hgma_compensation.pipeline.status import TemperatureStatus
-from hgma_compensation.topics import INPUTS, OUTPUTS
 from hgma_msgs.msg import CompensationState
 
 ROOT = Path(__file__).parents[1]
@@ -40,13 +38,3 @@ def test_the_codes_of_the_state_are_those_of_the_message():
 def _constants(prefix):
     names = (name for name in dir(CompensationState) if name.startswith(prefix))
     return {name.removeprefix(prefix): getattr(CompensationState, name) for name in names}
-
-
-def test_the_launch_file_compiles_and_remaps_topics_that_exist():
-    source = (ROOT / "launch" / "compensation.launch.py").read_text()
-    tree = ast.parse(source)
-    assert "generate_launch_description" in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-    defaults = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)}
-    remapped = {text for text in defaults if text.startswith("accel/") and text != "accel/"}
-    assert {"accel/raw", "accel/temperature", "accel/compensated"} == remapped
-    assert remapped <= set(INPUTS + OUTPUTS)
