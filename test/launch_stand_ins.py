@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
+import yaml
+
 ROOT = Path(__file__).parents[1]
 LAUNCH_FILE = ROOT / "launch" / "compensation.launch.py"
 
@@ -62,7 +64,8 @@ class PathJoinSubstitution:
 
 class ParameterValue:
     def __init__(self, value, *, value_type=None):
-        assert value_type is str and isinstance(value, str)
+        assert value_type is str
+        assert isinstance(value, str)
         self.value = value
 
 
@@ -81,8 +84,6 @@ class LifecycleNode:
 
     def words(self, folder):
         """Return the arguments of the process as launch_ros makes them; parameters become files in the folder."""
-        import yaml
-
         words = ["--ros-args", *self.ros_arguments, "--ros-args", "-r", f"__node:={self.name}"]
         if self.namespace:
             words += ["-r", f"__ns:=/{self.namespace.strip('/')}"]

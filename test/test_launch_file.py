@@ -4,6 +4,7 @@ What the stand-ins record is then given to the real node, with the words that la
 """
 
 import sys
+from pathlib import Path
 
 import pytest
 import yaml
@@ -32,7 +33,7 @@ def test_every_parameter_and_topic_is_an_argument_and_nothing_else(monkeypatch):
 def test_without_arguments_the_parameter_file_of_the_package_decides(monkeypatch):
     node = launched(monkeypatch)
     (path,) = node.parameters
-    assert set(yaml.safe_load(open(path))["/**"]["ros__parameters"]) == {row.name for row in PARAMETERS}
+    assert set(yaml.safe_load(Path(path).read_text())["/**"]["ros__parameters"]) == {row.name for row in PARAMETERS}
     assert dict(node.remappings) == {topic: topic for topic in TOPICS.values()}
     assert (node.package, node.executable) == ("hgma_compensation", "compensation_node")
     assert (node.name, node.namespace, node.respawn) == ("compensation_node", "", True)
