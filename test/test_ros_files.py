@@ -7,6 +7,7 @@ from rcl_interfaces.srv import ListParameters
 from robot import Robot
 
 from hgma_compensation.demo.processes import private_ros_environment, running
+from hgma_compensation.node.parameters import PARAMETERS as PARAMETER_ROWS
 from hgma_compensation.pipeline.state_fields import FILTER_CODES
 from hgma_compensation.pipeline.status import TemperatureStatus
 from hgma_msgs.msg import CompensationState
@@ -38,3 +39,23 @@ def test_the_codes_of_the_state_are_those_of_the_message():
 def _constants(prefix):
     names = (name for name in dir(CompensationState) if name.startswith(prefix))
     return {name.removeprefix(prefix): getattr(CompensationState, name) for name in names}
+
+
+@pytest.mark.ros
+def test_the_parameter_file_says_of_each_parameter_its_default_its_range_and_whether_it_is_read_only():
+    text = PARAMETERS.read_text()
+    values = yaml.safe_load(text)["/**"]["ros__parameters"]
+    comments = {}
+    for block in text.split("ros__parameters:\n")[1].split("\n\n"):
+        *lines, last = block.strip().splitlines()
+        comments[last.partition(":")[0].strip()] = " ".join(line.strip().removeprefix("#").strip() for line in lines)
+    for row in PARAMETER_ROWS:
+        assert values[row.name] == row.default
+        comment = comments[row.name]
+        assert ("read-only" in comment) == row.read_only, row.name
+        if row.bounds is not None:
+            low, high = (f"{bound:g}".replace("e+0", "e") for bound in row.bounds)
+            unit = "Hz" if row.name == "state_rate" else "s"
+            assert comment.startswith(f"{unit}, {low} to {high}"), row.name
+        for choice in row.choices:
+            assert choice in comment.partition(",")[0], row.name
