@@ -78,7 +78,7 @@ def bags(tmp_path_factory):
 def equal(decoded, message):
     """Whether a message decoded by the other library, by the definition in the bag, has the fields of ours."""
     if hasattr(message, "__dataclass_fields__"):
-        names = [name for name in message.__dataclass_fields__ if name != "__msgtype__"]
+        names = [name for name, _ in types.typestore().fielddefs[message.__msgtype__][1]]
         return all(equal(getattr(decoded, name), getattr(message, name)) for name in names)
     if isinstance(message, (np.ndarray, list, tuple)):
         return len(decoded) == len(message) and all(map(equal, decoded, message))
