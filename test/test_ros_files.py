@@ -1,3 +1,4 @@
+import re
 import sys
 from pathlib import Path
 
@@ -59,3 +60,11 @@ def test_the_parameter_file_says_of_each_parameter_its_default_its_range_and_whe
             assert comment.startswith(f"{unit}, {low} to {high}"), row.name
         for choice in row.choices:
             assert choice in comment.partition(",")[0], row.name
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "hgma_msgs").rglob("*.[ms][sr][gv]")), ids=lambda path: path.name)
+def test_every_field_of_the_messages_is_described_and_every_number_has_its_unit(path):
+    lines = [line for line in path.read_text().splitlines() if line and not line.startswith(("#", "---"))]
+    for kind, _, comment in (re.fullmatch(r"(\S+) +(\S+) +# (.+)", line).groups() for line in lines):
+        if kind.startswith("float"):
+            assert re.match(r"(s|V|m/s\^2|degC|degC/s|degC\^2|unit of the channel)\b", comment), comment
