@@ -26,7 +26,8 @@ RELEASED = {
     "std_msgs",
     "std_srvs",
 }
-"""Packages of ROS itself: released into Jazzy (ros/rosdistro, jazzy/distribution.yaml)."""
+"""Packages of ROS itself, released into Jazzy: rosdistro's jazzy/distribution.yaml at its commit
+0006cdad667d515a8328dae16964acbaf8fe1ad7."""
 
 SYSTEM = {
     # key: (Ubuntu package, or pip's, and what of pip it is)
