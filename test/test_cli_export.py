@@ -152,7 +152,7 @@ def test_mistakes_are_one_line_and_leave_nothing(tmp_path, cal, bag, capsys):
     assert "--from is for the loss on a recording" in refused(capsys, *export, "--from", 5)
     assert "--reference is for" in refused(capsys, *export, "--reference", "9.81")
     assert "no directory" in refused(capsys, *export, "--json", tmp_path / "no" / "e.json")
-    assert "is given twice" in refused(capsys, *export, "--json", out)
+    assert "is another file of this command" in refused(capsys, *export, "--json", out)
     ardupilot = ("export", cal, "--format", "ardupilot", "-o", out)
     assert "leave it out" in refused(capsys, *ardupilot, "--device-id", 5)
     document = json.loads(cal.read_text())
