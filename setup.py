@@ -46,8 +46,11 @@ TEST = [
     *FLEET,
     "catkin_pkg>=1.0,<2",
     "cyclonedds>=11,<12",  # another DDS, which reads what the node publishes
+    "flake8>=7.0,<8",  # what ament_flake8 runs
     "hypothesis>=6.98,<7",
     "jsonschema>=4.10,<5",
+    "mcap>=1.2,<2",  # another reader of what is written as MCAP
+    "mcap-ros2-support>=0.5,<0.7",
     "mypy>=1.15,<3",
     "pytest>=7.4,<10",
     "pytest-timeout>=2.2,<3",

@@ -1,57 +1,88 @@
-"""Starts compensation_node with topics remapped to a robot's own."""
+"""Starts compensation_node: any parameter, topic, name and namespace as an argument.
 
-from launch.actions import DeclareLaunchArgument
-from launch.substitutions import LaunchConfiguration
+An argument that is not given leaves the value of the parameter file. Of two sensors, include this file twice, each
+inside a GroupAction with a namespace: docs/STACK.md.
+"""
+
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import LifecycleNode
 from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
 
-from launch import LaunchDescription
+from hgma_compensation.node.parameters import PARAMETERS, ParameterRow
+from hgma_compensation.topics import INPUTS, OUTPUTS
+from launch import LaunchContext, LaunchDescription
 
-TEXTS = (
-    "calibration_file",
-    "calibration_directory",
-    "expected_sensor_id",
-    "frame_id",
-    "on_bad_temperature",
-    "state_file",
-)
-"""Parameters of the node that are texts."""
+PACKAGE = "hgma_compensation"
+PREFIX = "accel/"
+RESPAWN_DELAY = 2.0
+"""s, so that a node that cannot start does not fill the log."""
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the node and its arguments."""
-    arguments = {
-        "calibration_file": ("", "Calibration written by hgma train"),
-        "calibration_directory": ("", "Directory that calibrations must lie in; empty: anywhere"),
-        "expected_sensor_id": ("", "The sensor_id that a calibration must carry; empty: any"),
-        "frame_id": ("", "header.frame_id that the accelerometer's messages must have; empty: any"),
-        "on_bad_temperature": ("continue", "While the temperature is not usable: continue or stop"),
-        "state_file": ("", "File that keeps the memories over a restart; empty: none"),
-        "namespace": ("", "Namespace of the node and its topics"),
-        "raw": ("accel/raw", "Topic of the raw sensor_msgs/Imu"),
-        "temperature": ("accel/temperature", "Topic of the thermistor's sensor_msgs/Temperature"),
-        "compensated": ("accel/compensated", "Topic of the compensated sensor_msgs/Imu"),
-        "use_sim_time": ("false", "Follow /clock"),
-        "respawn": ("true", "Start the node anew after it has ended by an error of its own"),
-    }
-    node = LifecycleNode(
-        package="hgma_compensation",
-        executable="compensation_node",
-        name="compensation_node",
-        namespace=LaunchConfiguration("namespace"),
-        output="screen",
-        respawn=LaunchConfiguration("respawn"),
-        respawn_delay=2.0,
-        parameters=[
-            {name: ParameterValue(LaunchConfiguration(name), value_type=str) for name in TEXTS},
-            {
-                "use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool),
-            },
-        ],
-        remappings=[(f"accel/{name}", LaunchConfiguration(name)) for name in ("raw", "temperature", "compensated")],
-    )
-    declared = [
-        DeclareLaunchArgument(name, default_value=default, description=text)
-        for name, (default, text) in arguments.items()
+    """Return the arguments, and the node that is made of them."""
+    parameter_file = PathJoinSubstitution([FindPackageShare(PACKAGE), "params", "compensation.yaml"])
+    process = [
+        DeclareLaunchArgument("params_file", default_value=parameter_file, description="Parameters of the node, YAML"),
+        DeclareLaunchArgument("namespace", default_value="", description="Namespace of the node and its topics"),
+        DeclareLaunchArgument("name", default_value="compensation_node", description="Name of the node"),
+        DeclareLaunchArgument("log_level", default_value="info", description="debug, info, warn, error or fatal"),
+        DeclareLaunchArgument("respawn", default_value="true", description="Start the node anew when it has ended"),
     ]
-    return LaunchDescription([*declared, node])
+    topics = [
+        DeclareLaunchArgument(_argument(topic), default_value=topic, description=f"Topic in the place of {topic}")
+        for topic in INPUTS + OUTPUTS
+    ]
+    parameters = [
+        DeclareLaunchArgument(row.name, default_value="", description=f"{row.description}. Default: of params_file")
+        for row in PARAMETERS
+    ]
+    return LaunchDescription([*process, *topics, *parameters, OpaqueFunction(function=_node)])
+
+
+def _argument(topic: str) -> str:
+    """Return the argument that remaps a topic: raw for accel/raw."""
+    return topic.removeprefix(PREFIX)
+
+
+def _node(context: LaunchContext) -> list[LifecycleNode]:
+    """Return the node, with what the arguments say once they have their values."""
+
+    def text(argument: str) -> str:
+        return LaunchConfiguration(argument).perform(context)
+
+    given = {row.name: _value(row, text(row.name)) for row in PARAMETERS if text(row.name)}
+    return [
+        LifecycleNode(
+            package=PACKAGE,
+            executable="compensation_node",
+            name=text("name"),
+            namespace=text("namespace"),
+            output="screen",
+            respawn=_flag("respawn", text("respawn")),
+            respawn_delay=RESPAWN_DELAY,
+            parameters=[text("params_file"), *([given] if given else [])],
+            remappings=[(topic, text(_argument(topic))) for topic in INPUTS + OUTPUTS],
+            ros_arguments=["--log-level", text("log_level")],
+        )
+    ]
+
+
+def _value(row: ParameterRow, text: str) -> bool | float | ParameterValue:
+    """Return what launch_ros is to pass on for a parameter."""
+    if isinstance(row.default, bool):
+        return _flag(row.name, text)
+    if isinstance(row.default, float):
+        try:
+            return float(text)
+        except ValueError:
+            raise ValueError(f"argument {row.name} is {text!r}: write a number") from None
+    # Plain texts are read as YAML: a sensor called 0012 would become a number.
+    return ParameterValue(text, value_type=str)
+
+
+def _flag(argument: str, text: str) -> bool:
+    if text.lower() not in ("true", "false"):
+        raise ValueError(f"argument {argument} is {text!r}: write true or false")
+    return text.lower() == "true"

@@ -50,7 +50,7 @@ stay() {  # ready, command
   local ready="$1" log; shift; log="$(mktemp)"
   "$@" >"$log" 2>&1 & started+=("$!")
   for _ in $(seq 600); do
-    grep -qE "$ready" "$log" && return
+    { [ -z "$ready" ] || grep -qE "$ready" "$log"; } && return
     kill -0 "$!" 2>/dev/null || break
     sleep 0.1
   done

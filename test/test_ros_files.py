@@ -1,4 +1,4 @@
-import ast
+import re
 import sys
 from pathlib import Path
 
@@ -8,9 +8,9 @@ from rcl_interfaces.srv import ListParameters
 from robot import Robot
 
 from hgma_compensation.demo.processes import private_ros_environment, running
+from hgma_compensation.node.parameters import PARAMETERS as PARAMETER_ROWS
 from hgma_compensation.pipeline.state_fields import FILTER_CODES
 from hgma_compensation.pipeline.status import TemperatureStatus
-from hgma_compensation.topics import INPUTS, OUTPUTS
 from hgma_msgs.msg import CompensationState
 
 ROOT = Path(__file__).parents[1]
@@ -42,11 +42,29 @@ def _constants(prefix):
     return {name.removeprefix(prefix): getattr(CompensationState, name) for name in names}
 
 
-def test_the_launch_file_compiles_and_remaps_topics_that_exist():
-    source = (ROOT / "launch" / "compensation.launch.py").read_text()
-    tree = ast.parse(source)
-    assert "generate_launch_description" in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-    defaults = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)}
-    remapped = {text for text in defaults if text.startswith("accel/") and text != "accel/"}
-    assert {"accel/raw", "accel/temperature", "accel/compensated"} == remapped
-    assert remapped <= set(INPUTS + OUTPUTS)
+@pytest.mark.ros
+def test_the_parameter_file_says_of_each_parameter_its_default_its_range_and_whether_it_is_read_only():
+    text = PARAMETERS.read_text()
+    values = yaml.safe_load(text)["/**"]["ros__parameters"]
+    comments = {}
+    for block in text.split("ros__parameters:\n")[1].split("\n\n"):
+        *lines, last = block.strip().splitlines()
+        comments[last.partition(":")[0].strip()] = " ".join(line.strip().removeprefix("#").strip() for line in lines)
+    for row in PARAMETER_ROWS:
+        assert values[row.name] == row.default
+        comment = comments[row.name]
+        assert ("read-only" in comment) == row.read_only, row.name
+        if row.bounds is not None:
+            low, high = (f"{bound:g}".replace("e+0", "e") for bound in row.bounds)
+            unit = "Hz" if row.name == "state_rate" else "s"
+            assert comment.startswith(f"{unit}, {low} to {high}"), row.name
+        for choice in row.choices:
+            assert choice in comment.partition(",")[0], row.name
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "hgma_msgs").rglob("*.[ms][sr][gv]")), ids=lambda path: path.name)
+def test_every_field_of_the_messages_is_described_and_every_number_has_its_unit(path):
+    lines = [line for line in path.read_text().splitlines() if line and not line.startswith(("#", "---"))]
+    for kind, _, comment in (re.fullmatch(r"(\S+) +(\S+) +# (.+)", line).groups() for line in lines):
+        if kind.startswith("float"):
+            assert re.match(r"(s|V|m/s\^2|degC|degC/s|degC\^2|unit of the channel)\b", comment), comment

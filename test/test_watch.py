@@ -1,5 +1,6 @@
 """``hgma watch``: the sums, what is shown, and the command beside the real node."""
 
+import io
 import json
 import subprocess
 import sys
@@ -7,13 +8,16 @@ import sys
 import numpy as np
 import pytest
 from builders import make_calibration, make_recording
+from cli_runs import refused
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from rich.console import Console
 from robot import imu, thermistor
 
 from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.cli.main import main
+from hgma_compensation.cli.watch import FIGURES, WHY_UNKNOWN, live_table
 from hgma_compensation.demo.processes import HGMA, running
 from hgma_compensation.watching import view
 from hgma_compensation.watching.window import Samples, Window
@@ -50,6 +54,30 @@ def test_nothing_is_shown_as_nothing():
     assert seen["channels"]["linear_acceleration.z"]["raw"] is None
     assert "-> -" in view.line(seen)
     json.dumps(seen, allow_nan=False)
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize("name", ["a b", "1st", "a//b"])
+def test_what_is_no_namespace_is_refused(capsys, name):
+    assert f"--namespace {name}: give" in refused(capsys, "watch", "--namespace", name)
+
+
+def test_the_live_table_fits_into_80_columns_and_explains_what_is_not_known():
+    seen = view.figures(Window(), 1.0)
+    seen["channels"]["linear_acceleration.z"] = {
+        **dict.fromkeys(FIGURES, -17770.123),
+        "deviation": 6710.1,
+        "uncertainty": 3470.1,
+    }
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(live_table(seen, "start the driver"))
+    text = console.export_text()
+    assert "-17 770" in text
+    assert WHY_UNKNOWN in text
+    assert "start the driver" in text
+    rows = [line for line in text.splitlines() if line.startswith(" linear_acceleration")]
+    assert len(rows) == 3
+    assert all("m/s²" in row for row in rows)
 
 
 @pytest.mark.ros

@@ -47,7 +47,9 @@ def command(
         raise RefusedError(f"rclpy is not installed ({error}): run make, or source your ROS 2 workspace") from error
     with open_bag(bag) as reader:
         total = reader.message_count
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # SIGINT too: a shell starts what it puts into the background with that ignored.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
     # Python's handlers interrupt the sleep between two messages; rclpy's race with its own shutdown.
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("hgma_player")

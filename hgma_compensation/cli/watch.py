@@ -23,7 +23,7 @@ PERIOD = 1.0
 """s between two looks."""
 
 FIGURES = ("raw", "drift", "compensated", "deviation", "uncertainty")
-HEADINGS = ("raw", "drift", "compensated", "spread", "uncertainty")
+HEADINGS = ("raw", "drift", "compensated", "spread", "drift ±")
 WHY_UNKNOWN = "nothing of that kind has come within the last second"
 
 
@@ -51,8 +51,10 @@ def command(seconds: float | None, namespace: str, names: TopicNames, json_path:
         from hgma_compensation.node.watcher import Watcher
     except ImportError as error:
         raise RefusedError(f"rclpy is not installed ({error}): run make, or source your ROS 2 workspace") from error
-    prefix = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    prefix = _prefix(namespace)
+    # SIGINT too: a shell starts what it puts into the background with that ignored.
+    for ending in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(ending, signal.default_int_handler)
     # Python's handlers interrupt the waiting; rclpy's race with its own shutdown.
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("hgma_watch")
@@ -76,6 +78,21 @@ def command(seconds: float | None, namespace: str, names: TopicNames, json_path:
         node.destroy_node()
         rclpy.try_shutdown()
     write_json(json_path, shown.last)
+
+
+def _prefix(namespace: str) -> str:
+    """Return what stands before the topics of a node in a namespace; raises RefusedError where there can be none."""
+    from rclpy.exceptions import InvalidNamespaceException
+    from rclpy.validate_namespace import validate_namespace
+
+    prefix = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+    try:
+        validate_namespace(prefix or "/")
+    except InvalidNamespaceException:
+        raise RefusedError(
+            f"--namespace {namespace}: give the node's namespace, words of letters, digits and _ with / between"
+        ) from None
+    return prefix
 
 
 class _Screen:
@@ -105,7 +122,7 @@ class _Screen:
 
 def live_table(seen: dict[str, Any], advice: str) -> RenderableType:
     """Return the figures for a terminal that is drawn anew; advice: what to do where something does not come."""
-    title = "Means over the last second; spread of samples, uncertainty of the drift"
+    title = "Means over the last second; spread of samples, drift ± its standard deviation"
     table = new_table(title, ("channel", "unit", *HEADINGS), numbers=HEADINGS)
     for name, channel in seen["channels"].items():
         table.add_row(name, shown_unit(unit_of(name)), *(number(channel[key]) for key in FIGURES))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from math import fsum
 
 import numpy as np
@@ -74,7 +75,7 @@ class LongEvaluation:
         means, curves = self._noise.means_and_curves()
         names = self._calibration.names
         raw, compensated = np.split(means, 2)
-        references = [self._reference.beside(names, lambda own=own: own) for own in (raw, compensated)]  # type: ignore[misc]
+        references = [self._reference.beside(names, partial(np.asarray, own)) for own in (raw, compensated)]
         return evaluation_of(
             self._calibration,
             Means(self._sums.means(), np.concatenate(references)),
