@@ -135,12 +135,17 @@ def facts_table(facts: RecordingFacts) -> Table:
     )
     table.add_row("temperature", f"{heat.lowest:.1f} to {heat.highest:.1f} °C in {heat.sweeps} coolings and heatings")
     table.add_row("ramps", ", ".join(f"{rate:.2g}" for rate in heat.rates) + " °C/min" if heat.rates else "none")
-    table.add_row("soaks", ", ".join(duration(60.0 * round(soak / 60.0)) for soak in heat.soaks) or "none")
+    table.add_row("soaks", ", ".join(map(_soak, heat.soaks)) or "none")
     table.add_row("power-ons", count(heat.power_ons))
     table.add_row("other inputs", ", ".join(facts.inputs) or "none")
     if facts.averaged > 1:
         table.add_row("judged on", f"means of {counted(facts.averaged, 'sample')}")
     return table
+
+
+def _soak(seconds: float) -> str:
+    """Return the length of a soak, to whole minutes where it has any: that is how ovens are programmed."""
+    return duration(60.0 * round(seconds / 60.0) if seconds >= 60.0 else seconds)
 
 
 def channel_table(channel: ChannelCheck, left_out: str) -> Table:

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 from rich.table import Table
+from rich.text import Text
 
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
@@ -148,7 +149,10 @@ def _table(summary: Summary, channel: str) -> Table:
     table = new_table(title, ("sensor", "state", *headings), numbers=headings)
     for unit in [unit for unit in summary.worst if channel in unit.status.channels][:SHOWN]:
         figures = unit.status.channels[channel]
-        table.add_row(unit.name, unit.state.value, *(_cell(figures.get(name), BY_NAME[name]) for name in SUMMARISED))
+        # A folder may have brackets in its name, which are markup in a plain string.
+        table.add_row(
+            Text(unit.name), unit.state.value, *(_cell(figures.get(name), BY_NAME[name]) for name in SUMMARISED)
+        )
     return table
 
 
