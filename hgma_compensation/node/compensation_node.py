@@ -1,7 +1,5 @@
 """The managed node ``compensation_node``."""
 
-from typing import TYPE_CHECKING
-
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
@@ -14,9 +12,6 @@ from hgma_compensation.node.streams import Streams
 from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_compensation.pipeline.prepared import Prepared
 from hgma_compensation.pipeline.status import UNUSABLE
-
-if TYPE_CHECKING:  # else imported behind the first sample
-    from hgma_compensation.node.diagnostics import Reporter
 
 TICK = 0.5
 """s of wall time within which a driver that cannot be heard is noticed."""
@@ -73,7 +68,7 @@ class CompensationNode(ManagedNode):
         from hgma_compensation.node.reporting import Reporting
 
         serve()
-        reporters: "list[Reporter]" = [self._keeper, self.streams.endpoints.events, self.streams.latency]
+        reporters = self._keeper, self.streams.endpoints.events, self.streams.latency
         Reporting(self, self._live, reporters, lambda: (self._state, self._calibration.refusal))
         # On the steady clock: simulated time may stand still because of what the events tell.
         self.create_timer(TICK, self._on_tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
