@@ -8,9 +8,10 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from subprocess import Popen
 
 from benchmarks.bench.imu_stream import ImuStream
 from benchmarks.bench.messages import imu_peer
@@ -52,9 +53,20 @@ class Start:
 
 
 def main() -> int:
-    """Start a command, print its figures as JSON."""
-    given, after, *command = sys.argv[1:]
-    ours, start = given == "True", None
+    """Start a command, print its figures as JSON; exit code 1 with the reason where there are none."""
+    ours, after, *command = sys.argv[1:]
+    try:
+        start = measured(command, float(after), ours=ours == "True")
+    except RuntimeError as error:
+        print(error, file=sys.stderr)
+        return 1
+    print(json.dumps(asdict(start)))
+    return 0
+
+
+def measured(command: Sequence[str], after: float, *, ours: bool) -> Start:
+    """Return the figures of a command's start; raises RuntimeError where it does not answer or ends badly."""
+    start = None
     with imu_peer() as peer:
         os.environ.pop(PROFILE, None)  # what is started goes by the defaults
         source = Source(peer, changed=ours)
@@ -62,16 +74,18 @@ def main() -> int:
         begun = time.perf_counter()
         try:
             with started(command) as process:
-                seconds = source.first_answer() - begun
-                processor = processor_seconds(process.pid)
-                source.run(float(after))
-                start = Start(seconds, processor, peak_megabytes(process.pid))
+                answered = source.first_answer(process)
+                if answered is not None:
+                    processor = processor_seconds(process.pid)
+                    source.run(after)
+                    start = Start(answered - begun, processor, peak_megabytes(process.pid))
         except RuntimeError:
             # A rival that rclpy lets down because SIGINT comes while a message is converted has been measured.
             if ours or start is None:
                 raise
-    print(json.dumps(asdict(start)))
-    return 0
+    if start is None:
+        raise RuntimeError(f"no answer within {TIMEOUT:g} s")
+    return start
 
 
 class Source:
@@ -87,16 +101,14 @@ class Source:
         """Stream for a time."""
         self._stream(seconds, lambda _: False)
 
-    def first_answer(self) -> float:
+    def first_answer(self, process: Popen[bytes]) -> float | None:
         """Stream until there is an answer; return when it came, on the clock of perf_counter.
 
-        Raises RuntimeError where none comes.
+        None where the process ends before that, or TIMEOUT does.
         """
         self._answered.clear()
-        self._stream(TIMEOUT, lambda _: bool(self._answered))
-        if not self._answered:
-            raise RuntimeError(f"no answer within {TIMEOUT:g} s")
-        return self._answered[0]
+        self._stream(TIMEOUT, lambda _: bool(self._answered) or process.poll() is not None)
+        return self._answered[0] if self._answered else None
 
     def _stream(self, seconds: float, give_up: Callable[[int], bool]) -> None:
         stream = ImuStream(RATE, time.time_ns())
