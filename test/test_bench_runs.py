@@ -123,3 +123,18 @@ def test_what_comes_back_is_counted_by_its_numbers():
     assert (received.lost(10), received.changed) == (2, 1)
     with pytest.raises(RuntimeError, match="length"):
         stream.received([messages[0] + b"0000"])
+
+
+def test_a_start_is_measured_until_its_first_answer(tmp_path):
+    pytest.importorskip("rclpy")
+    from benchmarks.bench.one_start import profile
+    from benchmarks.bench.processes import relay_command
+    from benchmarks.bench.start import _start
+    from hgma_compensation.demo.processes import private_ros_environment
+
+    environment = private_ros_environment() | profile(tmp_path)
+    start = _start(relay_command("imu", 1000), environment, 0.0, ours=False)
+    assert 0.05 < start.processor < start.seconds + 1.0
+    assert 10.0 < start.peak_megabytes < 1000.0
+    with pytest.raises(RuntimeError, match="ended with 3"):
+        _start([sys.executable, "-c", "raise SystemExit(3)"], environment, 0.0, ours=False)

@@ -46,6 +46,11 @@ def test_the_first_sample_waits_for_nothing_that_it_does_not_need(calibration_fi
     loaded = modules_after(f"{NODE}; {read}")
     assert "numpy" in loaded
     assert not loaded & {"scipy", "jsonschema", "subprocess", "tempfile", "shutil", "difflib"}
+    assert not loaded & {"diagnostic_msgs", "std_srvs"}  # of services and diagnostics, which come after it
+
+
+def test_discovery_begins_before_numpy_is_loaded():
+    assert "numpy" not in modules_after("import hgma_compensation.node.running")
 
 
 def test_the_command_imports_only_what_is_called():

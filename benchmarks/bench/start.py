@@ -1,56 +1,53 @@
 """From the start of a process to its first output, with a stream that runs already."""
 
 import compileall
-import time
-from dataclasses import asdict, dataclass
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 
 import hgma_compensation
 from benchmarks.bench.given import Given
-from benchmarks.bench.imu_stream import ImuStream
-from benchmarks.bench.messages import imu_peer
-from benchmarks.bench.pace import send_evenly
-from benchmarks.bench.peer import Peer
-from benchmarks.bench.processes import node_command, peak_megabytes, relay_command, started
+from benchmarks.bench.one_start import Start, profile
+from benchmarks.bench.processes import node_command, relay_command
 from benchmarks.bench.row import Result, Row, Target, transposed
-from benchmarks.bench.trials import TIMEOUT
 from hgma_compensation import topics
 from hgma_compensation.node.interfaces import input_qos
 
 GROUP, RIVAL = "start", "empty rclpy node"
-RATE, THERMISTOR_RATE = 1000.0, 100.0
-"""Hz; a thermistor so fast that a node does not wait for it."""
 
-AFTER = 2.0
-"""s after the first output at which the memory is read."""
+LEAST_REPETITIONS = 15
+"""At least: a start takes half a second, in which the machine does other things too."""
 
-
-@dataclass(frozen=True)
-class Start:
-    """seconds: to the first output, ours compensated. peak_megabytes: of process and children, a while later."""
-
-    seconds: float
-    peak_megabytes: float
+MEMORY_REPETITIONS, AFTER = 3, 2.0
+"""How often the memory is read, which hardly varies, and s after the first output at which it is."""
 
 
 def measure(given: Given) -> Result:
     """Return the rows of start and memory."""
-    commands = (node_command(given.calibrations.plain()), relay_command("imu", input_qos(topics.RAW).depth))
+    node = node_command(given.calibrations.plain())
+    relay = relay_command("imu", input_qos(topics.RAW).depth)
     _compile()
-    turns = []
-    for repetition in range(given.repetitions):
-        ours, rival = _start(commands[0], compensates=True), _start(commands[1], compensates=False)
+    environment = os.environ | profile(given.scratch)
+    repetitions = max(given.repetitions, LEAST_REPETITIONS)
+    turns: list[tuple[Start, Start]] = []
+    for repetition in range(repetitions):
+        after = AFTER if repetition < MEMORY_REPETITIONS else 0.0
+        ours, rival = _start(node, environment, after, ours=True), _start(relay, environment, after, ours=False)
         turns.append((ours, rival))
-        given.say(
-            f"start {repetition + 1}/{given.repetitions}: {ours.seconds:.3f} s, {ours.peak_megabytes:.0f} MB; "
-            f"{RIVAL} {rival.seconds:.3f} s, {rival.peak_megabytes:.0f} MB"
-        )
-    seconds = transposed([(ours.seconds, rival.seconds) for ours, rival in turns])
-    memory = transposed([(ours.peak_megabytes, rival.peak_megabytes) for ours, rival in turns])
-    first = "process start to first output, stream at 1 kHz"
+        given.say(f"start {repetition + 1}/{repetitions}: {ours.seconds:.3f} s; {RIVAL} {rival.seconds:.3f} s")
+
+    def row(name: str, unit: str, figure: Callable[[Start], float], target: Target | None, most: int) -> Row:
+        values = transposed([(figure(ours), figure(rival)) for ours, rival in turns[:most]])
+        return Row(GROUP, name, unit, RIVAL, *values, target)
+
     rows = (
-        Row(GROUP, first, "s", RIVAL, *seconds, Target(1.3)),
-        Row(GROUP, "peak resident memory, children included", "MB", RIVAL, *memory),
+        row("process start to first output, stream at 1 kHz", "s", lambda s: s.seconds, Target(1.3), repetitions),
+        row("processor time until then, all threads", "s", lambda s: s.processor, None, repetitions),
+        row("peak resident memory, children included", "MB", lambda s: s.peak_megabytes, None, MEMORY_REPETITIONS),
     )
     return Result(rows, {"starts": [[asdict(start) for start in turn] for turn in turns]})
 
@@ -61,38 +58,10 @@ def _compile() -> None:
         raise RuntimeError("hgma_compensation cannot be compiled")
 
 
-def _start(command: list[str], *, compensates: bool) -> Start:
-    with imu_peer() as peer:
-        begun = time.perf_counter()
-        with started(command) as process:
-            seconds = _first_answer(peer, changed=compensates) - begun
-            _first_answer(peer, changed=compensates, after=AFTER)
-            return Start(seconds, peak_megabytes(process.pid))
-
-
-def _first_answer(peer: Peer, *, changed: bool, after: float = 0.0) -> float:
-    """Stream until a message comes back later than ``after`` s from now; return when, on the clock of perf_counter.
-
-    changed: what comes back as it was sent is no answer: a node without a temperature leaves it as it is.
-    """
-    stream = ImuStream(RATE, time.time_ns())
-    heard: list[bytes] = []
-    answered: list[float] = []
-    begun = time.perf_counter()
-
-    def send(number: int) -> None:
-        if number % round(RATE / THERMISTOR_RATE) == 0:
-            peer.send_temperature(stream.stamp(number))
-        peer.send(stream.message(number))
-
-    def take() -> None:
-        peer.take(heard)
-        now = time.perf_counter()
-        if heard and now - begun >= after and (not changed or stream.received(heard).changed):
-            answered.append(now)
-        heard.clear()
-
-    send_evenly(RATE, TIMEOUT, send, take, give_up=lambda _: bool(answered))
-    if not answered:
-        raise RuntimeError(f"no answer within {TIMEOUT:g} s")
-    return answered[0]
+def _start(command: list[str], environment: dict[str, str], after: float, *, ours: bool) -> Start:
+    """Return the figures of one start; raises RuntimeError with what was said where there was none."""
+    words = [sys.executable, "-m", "benchmarks.bench.one_start", str(ours), str(after), *command]
+    done = subprocess.run(words, env=environment, capture_output=True, text=True)
+    if done.returncode:
+        raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
+    return Start(**json.loads(done.stdout.splitlines()[-1]))

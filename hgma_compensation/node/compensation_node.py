@@ -1,24 +1,17 @@
 """The managed node ``compensation_node``."""
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
-from std_srvs.srv import Trigger
 
 from hgma_compensation.node import log, parameters
 from hgma_compensation.node.calibration_loader import CalibrationLoader
 from hgma_compensation.node.calibration_parameter import CalibrationParameter
-from hgma_compensation.node.diagnostics import DiagnosticReport
 from hgma_compensation.node.managed_node import ManagedNode, reported
-from hgma_compensation.node.ros_clock import RosClock
 from hgma_compensation.node.state_keeper import StateKeeper
 from hgma_compensation.node.streams import Streams
 from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_compensation.pipeline.prepared import Prepared
 from hgma_compensation.pipeline.status import UNUSABLE
-from hgma_msgs.srv import LoadCalibration
-
-DIAGNOSTIC_PERIOD = 1.0
 
 TICK = 0.5
 """s of wall time within which a driver that cannot be heard is noticed."""
@@ -32,7 +25,7 @@ class CompensationNode(ManagedNode):
     """
 
     def __init__(self) -> None:
-        """Declare parameters and services; topics come with the transition to inactive."""
+        """Declare parameters; topics come with the transition to inactive, services and diagnostics with ``offer``."""
         super().__init__("compensation_node")
         # Before anything follows a parameter: the file given at the start is read when the node configures.
         parameters.declare(self)
@@ -49,15 +42,6 @@ class CompensationNode(ManagedNode):
         self._state = "unconfigured"
         self._loader = CalibrationLoader(self, self._live, self.streams.serve)
         self._calibration = CalibrationParameter(self, self._loader, self._accept)
-        self.create_service(LoadCalibration, "~/load_calibration", self._on_load)
-        self.create_service(Trigger, "~/reset", self._on_reset)
-        name = f"{self.get_fully_qualified_name().lstrip('/')}: compensation"
-        self._report = DiagnosticReport(name, [self._keeper, self.streams.endpoints.events, self.streams.latency])
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
-        self._ros_clock = RosClock(self, self._live.counts)
-        self.create_timer(DIAGNOSTIC_PERIOD, self._on_diagnostics)
-        # On the steady clock: simulated time may stand still because of what the events tell.
-        self.create_timer(TICK, self._on_tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def start(self) -> None:
         """Configure and activate, unless the parameter autostart is false."""
@@ -68,6 +52,27 @@ class CompensationNode(ManagedNode):
             return
         if self.trigger_configure() is TransitionCallbackReturn.SUCCESS:
             self.trigger_activate()
+
+    def offer(self) -> None:
+        """Create services and diagnostics, once; the first sample does not wait for them.
+
+        With their modules they take as long as several samples: the stream is served in between.
+        """
+        serve = self.streams.serve
+        serve()
+        from hgma_compensation.node.services import Services
+
+        serve()
+        Services(self, self._live, self.streams.states, self._calibration, self._keeper)
+        serve()
+        from hgma_compensation.node.reporting import Reporting
+
+        serve()
+        reporters = self._keeper, self.streams.endpoints.events, self.streams.latency
+        Reporting(self, self._live, reporters, lambda: (self._state, self._calibration.refusal))
+        # On the steady clock: simulated time may stand still because of what the events tell.
+        self.create_timer(TICK, self._on_tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        serve()
 
     # Transitions ------------------------------------------------------------------------------------
 
@@ -135,7 +140,7 @@ class CompensationNode(ManagedNode):
     def _enter(self, state: str) -> None:
         self._state, self.streams.publishing = state, state == "active"
 
-    # Calibration, reset, diagnostics ----------------------------------------------------------------
+    # Calibration ------------------------------------------------------------------------------------
 
     def _accept(self, prepared: Prepared) -> None:
         """Take a calibration that was set; a node whose first one was refused starts with it."""
@@ -154,32 +159,6 @@ class CompensationNode(ManagedNode):
         log.info(self, f"using calibration {calibration.calibration_id} of sensor {calibration.sensor_id}")
         self.streams.serve()
 
-    def _on_load(
-        self, request: LoadCalibration.Request, response: LoadCalibration.Response
-    ) -> LoadCalibration.Response:
-        previous = self._live.calibration
-        result = self._calibration.set(request.path)
-        current = self._calibration.accepted if result.successful else previous
-        response.success = result.successful
-        response.calibration_id = current.calibration_id if current else ""
-        response.previous_calibration_id = previous.calibration_id if previous else ""
-        response.message = f"using calibration {response.calibration_id}" if result.successful else result.reason
-        return response
-
-    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._live.reset()
-        self.streams.states.reset()
-        cleared = "filter, memories and history cleared, calibration kept"
-        response.success, response.message = True, cleared + self._keeper.discard()
-        return response
-
     def _on_tick(self) -> None:
         self.streams.endpoints.take_events()
         self._loader.start_process()
-
-    def _on_diagnostics(self) -> None:
-        elapsed = self._ros_clock.elapsed()
-        status = self._report.status(self._live, self._state, self._calibration.refusal, elapsed)
-        array = DiagnosticArray(status=[status])
-        array.header.stamp = self.get_clock().now().to_msg()
-        self._diagnostics.publish(array)

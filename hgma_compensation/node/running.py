@@ -15,7 +15,6 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.kalman.low_pass import LFILTER
 from hgma_compensation.kept_memory import keep_memory
 
 if TYPE_CHECKING:  # else imported while DDS looks for its peers
@@ -72,16 +71,15 @@ def _discovery() -> Iterator[None]:
 
     It begins with the first node of a context. Names that begin with an underscore are hidden from ``ros2 node list``.
     """
-    first = rclpy.create_node(
-        "_compensation_node_start",
-        use_global_arguments=False,
-        enable_rosout=False,
-        start_parameter_services=False,
-    )
+    context = rclpy.get_default_context().handle
+    assert context is not None
+    # A node of rcl, without the topics, parameters and services that rclpy adds to it.
+    with context:
+        first = rclpy_implementation.Node("_compensation_node_start", "", context, None, False, False)
     try:
         yield
     finally:
-        first.destroy_node()
+        first.destroy_when_not_in_use()
 
 
 def _create() -> "CompensationNode":
@@ -106,6 +104,7 @@ def _spin(node: "CompensationNode", executor: "WaitingExecutor", stop: threading
     """
     try:
         node.start()
+        node.offer()
         keep_memory()
         share_interpreter()
         executor.start()
@@ -126,6 +125,8 @@ def _spin(node: "CompensationNode", executor: "WaitingExecutor", stop: threading
 
 def share_interpreter() -> None:
     """Let nothing else hold up the stream for long: no thread, no import, no search for garbage among the imports."""
+    from hgma_compensation.kalman.low_pass import LFILTER  # which loads numpy
+
     LFILTER.wait = False
     sys.setswitchinterval(GIVE_WAY)
     gc.freeze()
