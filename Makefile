@@ -29,8 +29,9 @@ demo: setup
 live: setup
 	$(RUN) -m hgma_compensation.demo.stream $(LIVE_ARGUMENTS)
 
+# As many processes as cores, each with whole files of tests and a ROS domain of its own. TEST_ARGUMENTS="-n 0 -k watch".
 test: lint types
-	$(RUN) -m pytest
+	$(RUN) -m pytest -n auto --maxprocesses 8 --dist loadfile $(TEST_ARGUMENTS)
 
 lint: setup
 	$(RUN) -m ruff check .

@@ -54,6 +54,7 @@ TEST = [
     "mypy>=1.15,<3",
     "pytest>=7.4,<10",
     "pytest-timeout>=2.2,<3",
+    "pytest-xdist>=3.5,<4",
     "scikit-learn>=1.4,<2",
     "ruff>=0.17,<0.18",  # narrow: the formatter's output may differ from one minor version to the next
     "selenium>=4.20,<5",  # drives the browser that looks at the reports; without one these tests skip

@@ -59,9 +59,10 @@ def folder(tmp_path):
 
 @pytest.mark.ros
 @pytest.mark.slow
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("document", WITH_COMMANDS, ids=lambda path: path.name)
 def test_commands_run_as_they_stand(document, folder):
-    printed = run_document(document, folder, seconds=280.0)
+    printed = run_document(document, folder, seconds=580.0)
     for shown in outputs(document):
         assert is_printed(shown, printed), f"{shown}\n\nis shown, printed was\n\n{printed}"
 

@@ -59,6 +59,7 @@ WITHOUT_A_KEY = {
     "mcap",
     "mcap-ros2-support",
     "pymoo",
+    "pytest-xdist",
     "ruff",
     "selenium",
     "threadpoolctl",
