@@ -54,7 +54,7 @@ def cells_of(inputs: Inputs, stamps: Stamps) -> tuple[Cells, Places]:
     low, high = int(stamps.min()), int(stamps.max())
     grid = np.arange(low // STEP, high // STEP + 2) * STEP
     changes = inputs.changes(int(grid[0]), int(grid[-1]))
-    begin = np.union1d(grid[:-1], changes) if len(changes) else grid[:-1]
+    begin = _union(grid[:-1], changes) if len(changes) else grid[:-1]
     index = begin.searchsorted(stamps, side="right") - 1
     if len(stamps) == 1 or low >= begin[index_high := int(begin.searchsorted(high, side="right")) - 1]:
         at = slice(int(index[0]), int(index[0]) + 1)
@@ -70,10 +70,16 @@ def cells_of(inputs: Inputs, stamps: Stamps) -> tuple[Cells, Places]:
 def cells_from(inputs: Inputs, stamp: int, until: int) -> Cells:
     """Return the cell of a stamp (ns) and those after it that end by ``until``, at most MOST of them."""
     grid = np.arange(stamp // STEP, max(min(until, stamp + STEP), stamp) // STEP + 2) * STEP
-    begin = np.union1d(grid[:-1], inputs.changes(int(grid[0]), int(grid[-1])))
+    begin = _union(grid[:-1], inputs.changes(int(grid[0]), int(grid[-1])))
     first = int(begin.searchsorted(stamp, side="right")) - 1
     ended = int(begin.searchsorted(until, side="right")) - 1
     return _cells(begin, grid, slice(first, max(min(ended, first + MOST), first + 1)))
+
+
+def _union(first: Stamps, second: Stamps) -> Stamps:
+    """Return what np.union1d does, which would load numpy.ma: as long as several samples at the start of a node."""
+    both = np.sort(np.concatenate((first, second)))
+    return both[np.append(True, both[1:] != both[:-1])]
 
 
 def _cells(begin: Stamps, grid: Stamps, held: NDArray[np.int64] | slice) -> Cells:
