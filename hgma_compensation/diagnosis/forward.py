@@ -73,6 +73,13 @@ class Findings:
     stages: tuple[tuple[Candidate, ...], ...]
     spectra: Spectra | None = None
 
+    def put_away(self) -> None:
+        """Keep of what the search held in memory that which the evidence is drawn from, covariances in files."""
+        candidates = {candidate.scored.effect for stage in self.stages for candidate in stage}
+        for state in (self.before, self.state):
+            state.whitener.put_away()
+            state.problem.forget(candidates | set(state.effects))
+
 
 Progress = Callable[[str], None]
 

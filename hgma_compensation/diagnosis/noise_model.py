@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cholesky
 
+from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.stamps import Stamps
 
 Array = NDArray[np.float64]
@@ -20,26 +21,6 @@ Array = NDArray[np.float64]
 PER_DECADE = 3
 LONGEST = 10.0
 """Relaxation times of the flicker reach ten times beyond a run: a level that differs from run to run."""
-
-
-@dataclass(frozen=True)
-class Whitener:
-    """Cholesky factors of the covariance of each run; runs are independent of each other."""
-
-    factors: tuple[Array, ...]
-    places: tuple[NDArray[np.int64], ...]
-
-    def __call__(self, columns: Array) -> Array:
-        """Return L⁻¹ columns; (n,) or (n, k)."""
-        white = np.empty_like(columns)
-        for factor, place in zip(self.factors, self.places, strict=True):
-            white[place] = solve_triangular(factor, columns[place], lower=True, check_finite=False)
-        return white
-
-    @property
-    def log_determinant(self) -> float:
-        """Ln |C|."""
-        return float(sum(2.0 * np.log(np.diag(factor)).sum() for factor in self.factors))
 
 
 @dataclass(frozen=True)
@@ -71,7 +52,9 @@ class NoiseModel:
             seconds = (stamps[place] - stamps[place[0]]) * 1e-9
             apart = np.abs(seconds[:, None] - seconds[None, :])
             lags, own = np.arange(len(self.correlation)) * self.shortest, self.thermistor[place]
-            carried = np.interp(apart, lags, self.correlation, right=0.0) * own[:, None] * own[None, :]
+            carried = np.interp(apart, lags, self.correlation, right=0.0)
+            carried *= own[:, None]  # in place: with two thousand means each of these is tens of megabytes
+            carried *= own[None, :]
             parts.append(Correlated(place, flicker_correlation(apart, self.shortest, float(seconds[-1])), carried))
         return parts
 

@@ -1,6 +1,6 @@
 """One channel's question: its blocks, the baseline that is never an effect, its noise."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from hgma_compensation.diagnosis.baseline import independent, regressors
 from hgma_compensation.diagnosis.evidence import average, posterior
 from hgma_compensation.diagnosis.noise_fit import ThermistorError, fit_noise
-from hgma_compensation.diagnosis.noise_model import NoiseModel, Whitener
+from hgma_compensation.diagnosis.noise_model import NoiseModel
 from hgma_compensation.diagnosis.scene import Scene
 from hgma_compensation.diagnosis.search import Projection, Scored, score
+from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
 from hgma_compensation.effects.effect import Effect, Survey
 
@@ -50,6 +51,11 @@ class Problem:
         new = list(dict.fromkeys(effect for effect in effects if effect not in self.cache))
         self.cache.update(zip(new, self.scene.columns(new), strict=True))
         return [self.cache[effect] for effect in effects]
+
+    def forget(self, kept: Collection[Effect]) -> None:
+        """Let go of the columns of all effects but some; they are formed again where they are asked for."""
+        for effect in [effect for effect in self.cache if effect not in kept]:
+            del self.cache[effect]
 
     @property
     def values(self) -> Array:

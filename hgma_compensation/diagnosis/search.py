@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.diagnosis.baseline import independent
-from hgma_compensation.diagnosis.noise_model import Whitener
+from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.effects.effect import Effect
 
 Array = NDArray[np.float64]

@@ -12,9 +12,10 @@ from hgma_compensation.errors import RefusedError
 from hgma_compensation.evaluation.evaluate import Evaluation
 from hgma_compensation.evaluation.long_evaluation import LongEvaluation, Part
 from hgma_compensation.progress import Advance
-from hgma_compensation.recording.bag_reader import no_samples, open_bag
+from hgma_compensation.recording.bag_reader import open_bag
 from hgma_compensation.recording.bag_topics import BagTopics
 from hgma_compensation.recording.offline_run import OfflineRun
+from hgma_compensation.recording.reading import no_samples
 from hgma_compensation.recording.recording import Extent
 from hgma_compensation.recording.streamed import EVER, survey
 from hgma_compensation.stamps import Stamps
