@@ -102,6 +102,7 @@ class Forward:
             self._say(f"effect {len(found) + 1}")
             state, candidates = self._stage(state, max((f.contribution for f in found), default=0.0))
             stages.append(tuple(candidates))
+            before.whitener.put_away()  # the stages that follow have a noise of their own
             chosen = next((c for c in candidates if not c.reason), None)
             if chosen is None:
                 break

@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 SLOPE_STEP = 0.1
 """°C over which the drift's slope is taken."""
 
+MOST_KEPT = 16 << 20
+"""Bytes of columns that are kept: those of the grid, two or three hundred, and the last that were polished."""
+
 TRUSTED = 3e-5
 """Singular value over the largest below which a combination of columns is not determined by the data."""
 
@@ -47,10 +50,18 @@ class Problem:
     cache: dict[Effect, Array] = field(default_factory=dict, compare=False, repr=False)
 
     def columns(self, effects: Sequence[Effect]) -> list[Array]:
-        """Return the columns (n, k) of each effect; formed once, since no state of the search changes them."""
+        """Return the columns (n, k) of each effect; kept for a while, since no state of the search changes them."""
         new = list(dict.fromkeys(effect for effect in effects if effect not in self.cache))
         self.cache.update(zip(new, self.scene.columns(new), strict=True))
-        return [self.cache[effect] for effect in effects]
+        for effect in dict.fromkeys(effects):
+            self.cache[effect] = self.cache.pop(effect)  # the last that were asked for are the last to go
+        found = [self.cache[effect] for effect in effects]
+        held = sum(columns.nbytes for columns in self.cache.values())
+        for effect in list(self.cache):
+            if held <= MOST_KEPT:
+                break
+            held -= self.cache.pop(effect).nbytes
+        return found
 
     def forget(self, kept: Collection[Effect]) -> None:
         """Let go of the columns of all effects but some; they are formed again where they are asked for."""
