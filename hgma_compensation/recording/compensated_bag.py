@@ -105,5 +105,6 @@ def feed(pipeline: Pipeline, recording: Sampled) -> None:
         (pipeline.add_supply_voltage, recording.supply_voltage),
     )
     for add, series in inputs:
-        for stamp, value in zip(series.stamps.tolist(), series.values.tolist(), strict=True):
-            add(stamp, value)
+        for part in in_parts(len(series.stamps), CHUNK):
+            for stamp, value in zip(series.stamps[part].tolist(), series.values[part].tolist(), strict=True):
+                add(stamp, value)
