@@ -68,7 +68,8 @@ def run(path: Path, seed: int) -> Result:
 
 def row_means(error: HeldOutError, reference: float) -> NDArray[np.float64]:
     """Return the errors (n,) of means over ROWS rows of the hold-out."""
-    full = error.compensated[: len(error.compensated) // ROWS * ROWS, None] - reference
+    samples = error.samples.values()
+    full = samples[: len(samples) // ROWS * ROWS, None] - reference
     return group_means(np.arange(len(full)) // ROWS, full)[:, 0]
 
 

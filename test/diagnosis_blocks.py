@@ -11,11 +11,11 @@ from scipy.linalg import toeplitz
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.diagnosis.blocks import Blocks
 from hgma_compensation.diagnosis.diagnose import diagnose
-from hgma_compensation.diagnosis.noise_model import Whitener
 from hgma_compensation.diagnosis.prepare import prepare
 from hgma_compensation.diagnosis.problem import Problem
 from hgma_compensation.diagnosis.result import Diagnosis
 from hgma_compensation.diagnosis.runs import make_run
+from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.effects.memory import LowPass
 from hgma_compensation.recording.recording import Recording, Series
 from hgma_compensation.temperature.features import FeatureSettings, Product

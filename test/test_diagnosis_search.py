@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from diagnosis_blocks import no_whitening
 
-from hgma_compensation.diagnosis.noise_model import Whitener
 from hgma_compensation.diagnosis.search import Projection, score, searched_count
+from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.effects.stress_relaxation import StressRelaxation
 from hgma_compensation.effects.thermal_gradient import ThermalGradient
 

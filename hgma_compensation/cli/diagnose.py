@@ -20,9 +20,9 @@ from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis
 from hgma_compensation.diagnosis.verdict import Verdict
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
+from hgma_compensation.kept_memory import return_memory
 from hgma_compensation.quantities import quantity
-from hgma_compensation.recording.bag_reader import read_recording
-from hgma_compensation.recording.recording import Recording
+from hgma_compensation.recording.filed import FiledRecording, file_recording
 from hgma_compensation.topics import TopicNames
 
 STEPS = 6
@@ -63,6 +63,7 @@ def command(
     calibration written has the effects that do.
     """
     check_output_folder(output)
+    return_memory()
     model = read_calibration(calibration)
     recordings, held = _read(bags, holdout, names)
     with progress_bar("diagnosing", STEPS * len(model.names)) as (bar, task):
@@ -98,14 +99,16 @@ def _list(effects: tuple[Any, ...]) -> str:
     return ", ".join(effect.name for effect in effects)
 
 
-def _read(bags: tuple[Path, ...], holdout: Path | None, names: TopicNames) -> tuple[list[Recording], Recording | None]:
+def _read(
+    bags: tuple[Path, ...], holdout: Path | None, names: TopicNames
+) -> tuple[list[FiledRecording], FiledRecording | None]:
     paths = [bag.resolve() for bag in (*bags, *([holdout] if holdout else []))]
     for number, path in enumerate(paths):
         if path in paths[:number]:
             raise RefusedError(f"{path.name} is given twice: a hold-out must be a recording that nothing is fitted to")
     with counting_bar("reading", declared_messages(paths, names)) as advance:
-        recordings = [read_recording(bag, names, advance) for bag in bags]
-        return recordings, read_recording(holdout, names, advance) if holdout else None
+        recordings = [file_recording(bag, names, advance) for bag in bags]
+        return recordings, file_recording(holdout, names, advance) if holdout else None
 
 
 def _write(diagnosis: Diagnosis, original: Calibration, output: Path, title: str) -> dict[str, Any]:

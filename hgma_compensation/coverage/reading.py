@@ -10,8 +10,9 @@ import numpy as np
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.coverage.samples import SampleSurvey
 from hgma_compensation.progress import Advance
-from hgma_compensation.recording.bag_reader import bulk_messages, decoder, open_bag
+from hgma_compensation.recording.bag_reader import bulk_messages, open_bag
 from hgma_compensation.recording.bag_topics import BagTopics
+from hgma_compensation.recording.reading import decoder
 from hgma_compensation.recording.recording import Recording, Series
 from hgma_compensation.recording.slow_inputs import read_slow
 from hgma_compensation.recording.streamed import StreamedRecording, Window, open_recording

@@ -1,6 +1,6 @@
 """Means of a channel over blocks of time, shocks left out of them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.diagnosis.runs import Run, power_on_before, since_power_on
+from hgma_compensation.recording.sliced import Column, Sliced, in_parts
 from hgma_compensation.stamps import Stamps, seconds_between
 
 Array = NDArray[np.float64]
@@ -42,33 +43,73 @@ class Blocks:
         return len(self.stamps)
 
 
-def make_blocks(runs: Sequence[Run], channel: str, seconds: float, settling: float = SETTLING) -> Blocks:
+def make_blocks(
+    runs: Sequence[Run],
+    channel: str,
+    seconds: float,
+    settling: float = SETTLING,
+    samples: Sequence[Sliced] | None = None,
+) -> Blocks:
     """Return the means of a channel over blocks of ``seconds`` in all runs.
 
     After a pause without power ``settling`` s are left out: the sensor may have been switched on in a ramp.
+    samples: (n,) of each run in place of those of its recording.
     """
-    parts = [_blocks_of(run, number, CHANNELS.index(channel), seconds, settling) for number, run in enumerate(runs)]
+    columns = samples or [Column(run.recording.values, CHANNELS.index(channel)) for run in runs]
+    parts = [
+        _blocks_of(run, number, own, seconds, settling)
+        for number, (run, own) in enumerate(zip(runs, columns, strict=True))
+    ]
     return Blocks(*(np.concatenate([getattr(p, name) for p in parts]) for name in Blocks.__dataclass_fields__))
 
 
-def _blocks_of(run: Run, number: int, column: int, seconds: float, settling: float) -> Blocks:
-    recording = run.recording
-    stamps, values = recording.stamps, recording.values[:, column]
-    index = np.floor(seconds_between(stamps, recording.start) / seconds).astype(np.int64)
-    firsts = np.flatnonzero(np.diff(index, prepend=index[0] - 1))
-    lasts = np.append(firsts[1:], len(index))
+def _blocks_of(run: Run, number: int, values: Sliced, seconds: float, settling: float) -> Blocks:
+    stamps = run.recording.stamps
+    firsts, begins = _edges(stamps, run.recording.start, seconds)
+    lasts = np.append(firsts[1:], len(stamps))
     typical = np.median(lasts - firsts)
-    since_on = since_power_on(run, stamps[firsts])
-    means = _means(stamps, values, firsts, lasts)
+    since_on = since_power_on(run, begins)
+    means = np.concatenate([_means_between(stamps, values, *edges) for edges in _at_once(firsts, lasts)])
     good = (
         (lasts - firsts >= 0.5 * typical)
-        & (since_on >= np.where(power_on_before(run, stamps[firsts]) > run.power_on[0], settling, SETTLING))
+        & (since_on >= np.where(power_on_before(run, begins) > run.power_on[0], settling, SETTLING))
         & np.isfinite(means).all(axis=1)
     )
-    middle = stamps[firsts] + means[:, 0].astype(np.int64)
+    middle = begins + means[:, 0].astype(np.int64)
     return Blocks(
         np.full(int(good.sum()), number), middle[good], means[good, 1], means[good, 2], firsts[good], lasts[good]
     )
+
+
+def _edges(stamps: Sliced, start: int, seconds: float) -> tuple[NDArray[np.int64], Stamps]:
+    """Return the first sample (n,) of each block of ``seconds`` from a start (ns), and its stamp."""
+    firsts, begins = [], []
+    before: NDArray[np.int64] | None = None
+    for part in in_parts(len(stamps), MOST_AT_ONCE):
+        own = stamps[part]
+        index = np.floor(seconds_between(own, start) / seconds).astype(np.int64)
+        edges = np.flatnonzero(np.diff(index, prepend=index[:1] - 1 if before is None else before))
+        firsts.append(part.start + edges)
+        begins.append(own[edges])
+        before = index[-1:]
+    return np.concatenate(firsts), np.concatenate(begins)
+
+
+def _at_once(
+    firsts: NDArray[np.int64], lasts: NDArray[np.int64]
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Yield the edges of blocks in groups that hold no more than MOST_AT_ONCE samples, or one block."""
+    row = 0
+    while row < len(firsts):
+        stop = max(row + 1, int(np.searchsorted(lasts, firsts[row] + MOST_AT_ONCE, side="right")))
+        yield firsts[row:stop], lasts[row:stop]
+        row = stop
+
+
+def _means_between(stamps: Sliced, values: Sliced, firsts: NDArray[np.int64], lasts: NDArray[np.int64]) -> Array:
+    """Return ``_mean`` of blocks of samples (n, 3), which are read for it."""
+    part = slice(int(firsts[0]), int(lasts[-1]))
+    return _means(stamps[part], values[part], firsts - part.start, lasts - part.start)
 
 
 def _means(stamps: Stamps, values: Array, firsts: NDArray[np.int64], lasts: NDArray[np.int64]) -> Array:

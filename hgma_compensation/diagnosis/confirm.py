@@ -10,8 +10,9 @@ from scipy.stats import chi2, gamma
 from hgma_compensation.diagnosis.leftover import SLOWEST
 from hgma_compensation.diagnosis.lines import power_spectrum
 from hgma_compensation.diagnosis.noise_fit import white_variance
-from hgma_compensation.diagnosis.noise_model import Whitener, slow_cosines
+from hgma_compensation.diagnosis.noise_model import slow_cosines
 from hgma_compensation.diagnosis.problem import Problem, State
+from hgma_compensation.diagnosis.whitener import Whitener
 
 Array = NDArray[np.float64]
 

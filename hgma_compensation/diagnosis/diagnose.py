@@ -21,7 +21,7 @@ from hgma_compensation.diagnosis.spectra import fit_spectra
 from hgma_compensation.diagnosis.verdict import Judgement, Verdict, judge
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.recording.compensated_bag import check_covered
-from hgma_compensation.recording.recording import Recording
+from hgma_compensation.recording.sliced import Sampled
 from hgma_compensation.recording.spooled import Spooled
 from hgma_compensation.training.blocks import FEWEST
 from hgma_compensation.training.linear_algebra import one_thread
@@ -38,9 +38,9 @@ FEWEST_SWEEPS = 4
 
 @one_thread()
 def diagnose(
-    recordings: Sequence[Recording],
+    recordings: Sequence[Sampled],
     calibration: Calibration,
-    holdout: Recording | None = None,
+    holdout: Sampled | None = None,
     *,
     withheld: frozenset[str] = frozenset(),
     seed: int = 1,
@@ -84,12 +84,15 @@ class _Study:
         self._say("preparing")
         learned, held = self._problems()
         findings = self._search(learned)
+        findings.put_away()
         carried = findings.state.problem.scene.carried
         held = replace(held, scene=replace(held.scene, carried=carried), cache={})
         self._say("judging on the hold-out")
         before = (residue(findings.before, learned), residue(findings.before, held))
         after = (residue(findings.state, findings.state.problem), residue(findings.state, held))
         judgement = judge(len(findings.found), before, after)
+        for one in (*before, *after):
+            one.whitener.put_away()
         before_error = held_out_error(self.material, self.runs, self.calibration, self.channel)
         after_error = before_error
         effects = tuple(named(found) for found in findings.found)

@@ -1,21 +1,23 @@
 """Error of a calibration on the recording held out: means of 5 s of what the node would publish."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.channels import CHANNELS, columns_of
+from hgma_compensation.channels import columns_of
 from hgma_compensation.diagnosis.blocks import make_blocks
+from hgma_compensation.diagnosis.held_samples import HeldSamples
 from hgma_compensation.diagnosis.inputs import find_inputs
 from hgma_compensation.diagnosis.recordings import Material
 from hgma_compensation.diagnosis.runs import Run, read_smoothed
 from hgma_compensation.evaluation.evaluate import MEAN_SECONDS
 from hgma_compensation.pipeline.pipeline import CHUNK, Pipeline
-from hgma_compensation.recording.compensated_bag import feed, usable_rows
-from hgma_compensation.recording.recording import Recording
+from hgma_compensation.recording.compensated_bag import feed, usable_parts
+from hgma_compensation.recording.sliced import Column, Sampled, in_parts
+from hgma_compensation.recording.spooled import Spooled
 from hgma_compensation.training.blocks import noise_of_means
 
 Array = NDArray[np.float64]
@@ -25,15 +27,14 @@ Array = NDArray[np.float64]
 class HeldOutError:
     """time: (n,) s from the start of the hold-out. temperature, rate: (n,) °C, °C/s. error: (n,) of means of 5 s.
 
-    compensated: samples (m,), with stamps (m,) ns, for the Allan deviation.
+    samples: compensated, for the Allan deviation.
     """
 
     time: Array
     temperature: Array
     rate: Array
     error: Array
-    stamps: NDArray[np.int64]
-    compensated: Array
+    samples: HeldSamples
 
     @property
     def rms(self) -> float:
@@ -52,16 +53,10 @@ def held_out_error(material: Material, runs: Sequence[Run], calibration: Calibra
     Real acceleration does not count: outliers and motion are left out, and levels that recur are taken at what they
     are in the recordings that were learned from.
     """
-    column, number = CHANNELS.index(channel), calibration.names.index(channel)
-    reference = calibration.channels[number].reference
-    compensated = []
-    for run in runs:
-        own = _compensated(run.recording, calibration, number)
-        # Only the column of the channel is read.
-        values = np.broadcast_to(own[:, None], (len(own), len(CHANNELS)))
-        compensated.append(replace(run, recording=replace(run.recording, values=values)))
-    blocks = make_blocks(compensated, channel, MEAN_SECONDS)
-    deviation = blocks.values - reference
+    number = calibration.names.index(channel)
+    compensated = [_compensated(run.recording, calibration, number) for run in runs]
+    blocks = make_blocks(runs, channel, MEAN_SECONDS, samples=compensated)
+    deviation = blocks.values - calibration.channels[number].reference
     inputs = find_inputs(blocks, deviation)
     held = material.held_rows(blocks)
     fitted = inputs.usable & ~held
@@ -70,29 +65,35 @@ def held_out_error(material: Material, runs: Sequence[Run], calibration: Calibra
         deviation = deviation - inputs.columns @ levels
     rows = held & inputs.usable
     index = int(blocks.run[rows][0]) if rows.any() else 0
-    run = compensated[index]
-    samples = material.held_out(run.recording.stamps, run.recording)
+    run = runs[index]
     temperature, rate = read_smoothed(run.smoothed, blocks.stamps[rows])
     return HeldOutError(
         time=np.asarray((blocks.stamps[rows] - material.held[0]) * 1e-9, dtype=np.float64),
         temperature=temperature,
         rate=rate,
         error=deviation[rows],
-        stamps=run.recording.stamps[samples],
-        compensated=run.recording.values[samples, column],
+        samples=HeldSamples(_held_out(material, run.recording, compensated[index])),
     )
 
 
-def _compensated(recording: Recording, calibration: Calibration, number: int) -> Array:
+def _held_out(material: Material, recording: Sampled, compensated: Column) -> Iterator[tuple[NDArray[np.int64], Array]]:
+    """Yield the stamps (n,) and compensated samples (n,) of a recording that belong to the hold-out."""
+    for part in in_parts(recording.samples, CHUNK):
+        stamps = recording.stamps[part]
+        held = material.held_out(stamps, recording)
+        yield stamps[held], compensated[part][held]
+
+
+def _compensated(recording: Sampled, calibration: Calibration, number: int) -> Column:
     """Return one of the calibrated channels compensated (n,), NaN where a sample is not usable."""
-    compensated = np.full(len(recording.stamps), np.nan)
-    rows, columns = usable_rows(recording, calibration), columns_of(calibration.names)
+    compensated, columns = Spooled(1), columns_of(calibration.names)
     pipeline = Pipeline(calibration)
     feed(pipeline, recording)
-    for start in range(0, len(rows), CHUNK):
-        usable = start + np.flatnonzero(rows[start : start + CHUNK])
-        values = recording.values[usable]
-        compensated[usable] = pipeline.compensate(recording.stamps[usable], values[:, columns], values).values[
+    for part, usable in usable_parts(recording, calibration):
+        own = np.full((len(usable), 1), np.nan)
+        values = recording.values[part][usable]
+        own[usable, 0] = pipeline.compensate(recording.stamps[part][usable], values[:, columns], values).values[
             :, number
         ]
-    return compensated
+        compensated.add(own)
+    return Column(compensated, 0)

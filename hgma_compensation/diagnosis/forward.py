@@ -73,6 +73,12 @@ class Findings:
     stages: tuple[tuple[Candidate, ...], ...]
     spectra: Spectra | None = None
 
+    def put_away(self) -> None:
+        """Keep of what the search held in memory that which the evidence is drawn from, covariances in files."""
+        for state in (self.before, self.state):
+            state.whitener.put_away()
+            state.problem.forget(state.effects)
+
 
 Progress = Callable[[str], None]
 
@@ -94,7 +100,8 @@ class Forward:
         while len(found) < MOST_EFFECTS:
             self._say(f"effect {len(found) + 1}")
             state, candidates = self._stage(state, max((f.contribution for f in found), default=0.0))
-            stages.append(tuple(candidates))
+            stages.append(tuple(replace(one, scored=one.scored.figures()) for one in candidates))
+            before.whitener.put_away()  # the stages that follow have a noise of their own
             chosen = next((c for c in candidates if not c.reason), None)
             if chosen is None:
                 break

@@ -11,35 +11,20 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cholesky
 
+from hgma_compensation.diagnosis.whitener import Whitener
+from hgma_compensation.recording.sliced import in_parts
 from hgma_compensation.stamps import Stamps
 
 Array = NDArray[np.float64]
 
 PER_DECADE = 3
+ROWS = 128
+"""Of a covariance that are formed at once."""
+
 LONGEST = 10.0
 """Relaxation times of the flicker reach ten times beyond a run: a level that differs from run to run."""
-
-
-@dataclass(frozen=True)
-class Whitener:
-    """Cholesky factors of the covariance of each run; runs are independent of each other."""
-
-    factors: tuple[Array, ...]
-    places: tuple[NDArray[np.int64], ...]
-
-    def __call__(self, columns: Array) -> Array:
-        """Return L⁻¹ columns; (n,) or (n, k)."""
-        white = np.empty_like(columns)
-        for factor, place in zip(self.factors, self.places, strict=True):
-            white[place] = solve_triangular(factor, columns[place], lower=True, check_finite=False)
-        return white
-
-    @property
-    def log_determinant(self) -> float:
-        """Ln |C|."""
-        return float(sum(2.0 * np.log(np.diag(factor)).sum() for factor in self.factors))
 
 
 @dataclass(frozen=True)
@@ -61,36 +46,51 @@ class NoiseModel:
 
         What the spread of different runs has in common is left out.
         """
-        return self.whitener_of(self.correlated(run, stamps), spread)
+        factors, places = [], _places(run)
+        for place in places:
+            # By Fortran's columns, which LAPACK factorises where they are; a few rows at a time, so that no other
+            # array of that size, tens of megabytes with two thousand means, is there beside it.
+            covariance = np.empty((len(place), len(place)), order="F")
+            for rows in in_parts(len(place), ROWS):
+                part = self._correlated(place, stamps, rows)
+                covariance[rows] = self.flicker * part.flicker + part.thermistor
+            factors.append(self._factor(covariance, place, spread))
+        return Whitener(factors, places)
 
     def correlated(self, run: NDArray[np.int64], stamps: Stamps) -> "list[Correlated]":
         """Return what the covariance of each run of blocks is made of: the same for any white noise and any flicker."""
-        parts = []
-        for number in np.unique(run):
-            place = np.flatnonzero(run == number)
-            seconds = (stamps[place] - stamps[place[0]]) * 1e-9
-            apart = np.abs(seconds[:, None] - seconds[None, :])
-            lags, own = np.arange(len(self.correlation)) * self.shortest, self.thermistor[place]
-            carried = np.interp(apart, lags, self.correlation, right=0.0) * own[:, None] * own[None, :]
-            parts.append(Correlated(place, flicker_correlation(apart, self.shortest, float(seconds[-1])), carried))
-        return parts
+        return [self._correlated(place, stamps, slice(0, len(place))) for place in _places(run)]
 
-    def whitener_of(self, parts: "Sequence[Correlated]", spread: Array | None = None) -> Whitener:
+    def whitener_of(self, parts: "Sequence[Correlated]") -> Whitener:
         """Return the whitener of runs; parts: as ``correlated`` gives them for the same thermistor."""
-        factors = []
-        for part in parts:
-            covariance = self.flicker * part.flicker
-            covariance += part.thermistor
-            covariance[np.diag_indices(len(part.place))] += self.white[part.place] + 1e-9 * np.mean(self.white)
-            if spread is not None:
-                covariance += spread[part.place] @ spread[part.place].T
-            factors.append(cholesky(covariance, lower=True, check_finite=False))
-        return Whitener(tuple(factors), tuple(part.place for part in parts))
+        factors = [self._factor(self.flicker * part.flicker + part.thermistor, part.place, None) for part in parts]
+        return Whitener(factors, [part.place for part in parts])
+
+    def _correlated(self, place: NDArray[np.int64], stamps: Stamps, rows: slice) -> "Correlated":
+        seconds = (stamps[place] - stamps[place[0]]) * 1e-9
+        apart = np.abs(seconds[rows, None] - seconds[None, :])
+        lags, own = np.arange(len(self.correlation)) * self.shortest, self.thermistor[place]
+        carried = np.interp(apart, lags, self.correlation, right=0.0) * own[rows, None] * own[None, :]
+        return Correlated(place, flicker_correlation(apart, self.shortest, float(seconds[-1])), carried)
+
+    def _factor(self, covariance: Array, place: NDArray[np.int64], spread: Array | None) -> Array:
+        """Return the Cholesky factor of a covariance (n, n) of correlated noise, white noise and spread added to it."""
+        covariance[np.diag_indices(len(place))] += self.white[place] + 1e-9 * np.mean(self.white)
+        if spread is not None:
+            covariance += spread[place] @ spread[place].T
+        return np.asarray(cholesky(covariance, lower=True, overwrite_a=True, check_finite=False))
+
+
+def _places(run: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    return [np.flatnonzero(run == number) for number in np.unique(run)]
 
 
 @dataclass(frozen=True)
 class Correlated:
-    """Of one run of blocks, place (n,): correlation of the flicker and covariance of the thermistor's part, (n, n)."""
+    """Of one run of blocks, place (n,): correlation of the flicker and covariance of the thermistor's part, (m, n).
+
+    m: all of them, or some.
+    """
 
     place: NDArray[np.int64]
     flicker: Array

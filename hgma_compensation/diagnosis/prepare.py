@@ -1,6 +1,6 @@
 """Builds the question of a channel out of recordings and a calibration."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,16 +10,18 @@ from hgma_compensation.channels import CHANNELS
 from hgma_compensation.diagnosis.baseline import smooth_network
 from hgma_compensation.diagnosis.blocks import SETTLING, Blocks, make_blocks
 from hgma_compensation.diagnosis.inputs import Inputs, find_inputs
+from hgma_compensation.diagnosis.medians import median_of
 from hgma_compensation.diagnosis.noise_fit import thermistor_error
 from hgma_compensation.diagnosis.problem import Problem, without_rows
 from hgma_compensation.diagnosis.runs import Run, read_earlier, read_smoothed
 from hgma_compensation.diagnosis.scene import Scene
 from hgma_compensation.effects.effect import Survey
 from hgma_compensation.pipeline.pipeline import CHUNK
+from hgma_compensation.recording.sliced import in_parts
 from hgma_compensation.recording.spooled import Spooled
 from hgma_compensation.stamps import NANOSECONDS, Stamps
 from hgma_compensation.temperature.features import FeatureSettings, Product
-from hgma_compensation.training.blocks import noise_of_means
+from hgma_compensation.training.blocks import white_noise
 
 Array = NDArray[np.float64]
 
@@ -46,8 +48,7 @@ def features_at(runs: Sequence[Run], settings: FeatureSettings, blocks: Blocks) 
 def acceleration_of(run: Run, calibration: Calibration) -> Spooled:
     """Return the acceleration (samples, 6) less drift model and reference where a channel is calibrated."""
     recording, acceleration = run.recording, Spooled(len(CHANNELS))
-    for start in range(0, len(recording.stamps), CHUNK):
-        part = slice(start, start + CHUNK)
+    for part in in_parts(recording.samples, CHUNK):
         seen = smooth_features(run, calibration.features, recording.stamps[part])
         features, values = calibration.calibrated_range.clamp(seen), recording.values[part].copy()
         for channel in calibration.channels:
@@ -103,9 +104,23 @@ SHOCK = 15.0
 """Deviations of a sample's noise between neighbours from which on there may have been a shock."""
 
 
-def _jumps(values: Array) -> float:
-    """Return the largest step between samples (n,) that are finite."""
-    return float(np.nanmax(np.abs(np.diff(values)), initial=0.0))
+def _differences(samples: Spooled, column: int, order: int) -> Iterator[Array]:
+    """Yield the differences of the samples' column from one to the next, or of these, without their sign."""
+    before = np.empty(0)
+    for part in samples.parts():
+        values = np.concatenate([before, part[:, column]])
+        yield np.abs(np.diff(values, order))
+        before = values[-order:]
+
+
+def _noise(samples: Spooled, column: int) -> float:
+    """Return the white noise of a sample, as ``noise_of_means`` does."""
+    return white_noise(median_of(lambda: _differences(samples, column, 2))) if len(samples) > 2 else 0.0
+
+
+def _jump(samples: Spooled, column: int) -> float:
+    """Return the largest step between samples that are finite."""
+    return max((float(np.nanmax(part, initial=0.0)) for part in _differences(samples, column, 1)), default=0.0)
 
 
 def survey_of(
@@ -118,24 +133,19 @@ def survey_of(
     acceleration: Sequence[Spooled],
 ) -> Survey:
     """Return what the runs span."""
-    stamps = [run.recording.stamps for run in runs]
-    first, last = min(int(s[0]) for s in stamps), max(int(s[-1]) for s in stamps)
+    ends = [(int(s[:1][0]), int(s[-1:][0])) for s in (run.recording.stamps for run in runs)]
+    first, last = min(a for a, _ in ends), max(b for _, b in ends)
     column = CHANNELS.index(channel)
     present = set(runs[0].recording.present).intersection(*(run.recording.present for run in runs))
     volts = [run.recording.supply_voltage.values for run in runs if len(run.recording.supply_voltage.values)]
     at_rest = blocks.white[~inputs.moving]
-    noises, jumps = [], []
-    for one in acceleration:
-        values = one.column(column)
-        noises.append(noise_of_means(values))
-        jumps.append(_jumps(values))
-    noise = float(np.median(noises))
+    noise = float(np.median([_noise(one, column) for one in acceleration]))
     return Survey(
         channel=channel,
         others=tuple(c for c in CHANNELS if c in present and c != channel),
         lowest=float(features[:, 0].min()),
         highest=float(features[:, 0].max()),
-        duration=float(max((s[-1] - s[0]) / NANOSECONDS for s in stamps)),
+        duration=float(max((b - a) / NANOSECONDS for a, b in ends)),
         interval=block,
         ramp=float(np.quantile(np.abs(features[:, 1]), 0.95)),
         noise=noise,
@@ -144,5 +154,5 @@ def survey_of(
         lifetime=(last - first) / NANOSECONDS,
         vibration=bool(np.quantile(at_rest, 0.98) > NOISIER * np.median(at_rest)),
         inputs=bool(inputs.columns.shape[1]),
-        shocks=any(jump > SHOCK * noise for jump in jumps),
+        shocks=any(_jump(one, column) > SHOCK * noise for one in acceleration),
     )

@@ -1,6 +1,6 @@
 """One channel's question: its blocks, the baseline that is never an effect, its noise."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from hgma_compensation.diagnosis.baseline import independent, regressors
 from hgma_compensation.diagnosis.evidence import average, posterior
 from hgma_compensation.diagnosis.noise_fit import ThermistorError, fit_noise
-from hgma_compensation.diagnosis.noise_model import NoiseModel, Whitener
+from hgma_compensation.diagnosis.noise_model import NoiseModel
 from hgma_compensation.diagnosis.scene import Scene
 from hgma_compensation.diagnosis.search import Projection, Scored, score
+from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
 from hgma_compensation.effects.effect import Effect, Survey
 
@@ -20,6 +21,9 @@ Array = NDArray[np.float64]
 
 SLOPE_STEP = 0.1
 """°C over which the drift's slope is taken."""
+
+MOST_KEPT = 16 << 20
+"""Bytes of columns that are kept: those of the grid, two or three hundred, and the last that were polished."""
 
 TRUSTED = 3e-5
 """Singular value over the largest below which a combination of columns is not determined by the data."""
@@ -46,10 +50,23 @@ class Problem:
     cache: dict[Effect, Array] = field(default_factory=dict, compare=False, repr=False)
 
     def columns(self, effects: Sequence[Effect]) -> list[Array]:
-        """Return the columns (n, k) of each effect; formed once, since no state of the search changes them."""
+        """Return the columns (n, k) of each effect; kept for a while, since no state of the search changes them."""
         new = list(dict.fromkeys(effect for effect in effects if effect not in self.cache))
         self.cache.update(zip(new, self.scene.columns(new), strict=True))
-        return [self.cache[effect] for effect in effects]
+        for effect in dict.fromkeys(effects):
+            self.cache[effect] = self.cache.pop(effect)  # the last that were asked for are the last to go
+        found = [self.cache[effect] for effect in effects]
+        held = sum(columns.nbytes for columns in self.cache.values())
+        for effect in list(self.cache):
+            if held <= MOST_KEPT:
+                break
+            held -= self.cache.pop(effect).nbytes
+        return found
+
+    def forget(self, kept: Collection[Effect]) -> None:
+        """Let go of the columns of all effects but some; they are formed again where they are asked for."""
+        for effect in [effect for effect in self.cache if effect not in kept]:
+            del self.cache[effect]
 
     @property
     def values(self) -> Array:

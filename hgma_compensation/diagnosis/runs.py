@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from hgma_compensation.diagnosis.smoothing import Smoothed, smooth, thinned
 from hgma_compensation.effects.memory import POWER_OFF
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.recording.recording import Recording, Series
+from hgma_compensation.recording.recording import Series
+from hgma_compensation.recording.sliced import Sampled
 from hgma_compensation.stamps import NANOSECONDS, Stamps, seconds_between
 from hgma_compensation.temperature.trend_filter import TrendNoise
 from hgma_compensation.training.thermistor import FEWEST, usable
@@ -21,13 +22,13 @@ Array = NDArray[np.float64]
 class Run:
     """One recording's smoothed inputs. power_on: (m,) ns, the last start before each thermistor sample."""
 
-    recording: Recording
+    recording: Sampled
     smoothed: Smoothed
     power_on: Stamps
     second: Smoothed | None
 
 
-def make_run(recording: Recording, noise: TrendNoise) -> Run:
+def make_run(recording: Sampled, noise: TrendNoise) -> Run:
     """Return a recording with its thermometers smoothed; raises RefusedError where the first one says nothing."""
     if len(usable(recording.temperature).stamps) < FEWEST:
         raise RefusedError(f"{recording.name}: fewer than {FEWEST} usable thermistor samples: leave it out")

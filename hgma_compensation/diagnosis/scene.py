@@ -82,9 +82,16 @@ class Scene:
             sums = self._sums(number, len(CHANNELS))
             for samples in self.acceleration[number].parts():
                 sums.add(np.nan_to_num(samples))
-            acceleration = sums.means()
-            parts.append(self.conditions(number, self.blocks.stamps[rows], acceleration))
+            parts.append(self.conditions(number, self.blocks.stamps[rows], sums.means()))
         return tuple(parts)
+
+    @property
+    def put_in(self) -> Array:
+        """Mean (n, 6) of the acceleration less the drift model at each block: what is really there."""
+        means = np.empty((len(self.blocks), len(CHANNELS)))
+        for rows, at in zip(self._rows, self._at_blocks, strict=True):
+            means[rows] = at.acceleration
+        return means
 
     def _of_run(self, number: int, effects: Sequence[Effect], states: Array, bank: Bank) -> list[Array]:
         """Return the columns (n, k) of each effect at the n blocks of a run; states: (n, m) of the bank."""
@@ -159,12 +166,11 @@ class Scene:
         memories = [effect.acceleration_memory() for effect in effects]
         states = [np.empty(0) if memory is None else memory.start() for memory in memories]
         sums = [self._sums(number, effect.count) for effect in effects]
-        moving = self._moving(number) if driven else None
         for samples in self.acceleration[number].parts():
             part = slice(done, done + len(samples))
             acceleration = samples.copy()
-            if moving is not None:
-                acceleration[:, column] = np.where(moving[part], samples[:, column], 0.0)
+            if driven:
+                acceleration[:, column] = np.where(self._moving(number, part), samples[:, column], 0.0)
             at = self.conditions(number, stamps[part], acceleration)
             for i, (effect, memory) in enumerate(zip(effects, memories, strict=True)):
                 passed = np.empty((len(at), 0))
@@ -175,12 +181,13 @@ class Scene:
             done = part.stop
         return [one.means() for one in sums]
 
-    def _moving(self, number: int) -> NDArray[np.bool_]:
-        """Return for each sample of a run whether the channel is not at rest: noise and drift are no input."""
-        moving = np.zeros(len(self.acceleration[number]), dtype=bool)
+    def _moving(self, number: int, part: slice) -> NDArray[np.bool_]:
+        """Return for samples of a run whether the channel is not at rest: noise and drift are no input."""
+        moving = np.zeros(part.stop - part.start, dtype=bool)
         rows = self._rows[number]
-        for row in rows[self.moving[rows]]:
-            moving[self.blocks.first[row] : self.blocks.last[row]] = True
+        rows = rows[self.moving[rows] & (self.blocks.first[rows] < part.stop) & (self.blocks.last[rows] > part.start)]
+        for row in rows:
+            moving[max(self.blocks.first[row] - part.start, 0) : self.blocks.last[row] - part.start] = True
         return moving
 
 

@@ -6,13 +6,13 @@ columns; on noise it is χ² with as many degrees of freedom as columns.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.diagnosis.baseline import independent
-from hgma_compensation.diagnosis.noise_model import Whitener
+from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.effects.effect import Effect
 
 Array = NDArray[np.float64]
@@ -69,6 +69,10 @@ class Scored:
     def name(self) -> str:
         """Return the kind's name."""
         return self.effect.name
+
+    def figures(self) -> "Scored":
+        """Return the same without columns and directions, which take the memory."""
+        return replace(self, columns=np.empty((0, 0)), directions=np.empty((0, 0)))
 
 
 def searched_count(effect: Effect) -> int:

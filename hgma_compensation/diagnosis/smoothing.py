@@ -3,6 +3,7 @@
 A causal estimate of the temperature trails at corners, and would itself look like a thermal lag.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,9 @@ from hgma_compensation.stamps import NANOSECONDS, Stamps
 from hgma_compensation.temperature.trend_filter import INITIAL_RATE_SIGMA, TrendNoise
 
 Array = NDArray[np.float64]
+
+AT_ONCE = 4096
+"""Samples that are made numbers of Python at once."""
 
 SPACING = 1.0
 """s: faster thermistors are averaged over this time first, which loses nothing that a sensor could follow."""
@@ -54,7 +58,7 @@ def smooth(stamps: Stamps, values: Array, noise: TrendNoise) -> Smoothed:
     kept = np.empty((count, 5))  # filtered T, Ṫ and their variances and covariance
     t, v, ptt, ptv, pvv = float(values[0]), 0.0, r, 0.0, INITIAL_RATE_SIGMA**2
     kept[0] = t, v, ptt, ptv, pvv
-    for k, (dt, value) in enumerate(zip(steps.tolist()[1:], values.tolist()[1:], strict=True), start=1):
+    for k, (dt, value) in enumerate(_lists(steps[1:], values[1:]), start=1):
         t += v * dt
         ptt += 2.0 * dt * ptv + dt * dt * pvv + q * dt**3 / 3.0
         ptv += dt * pvv + q * dt * dt / 2.0
@@ -71,7 +75,7 @@ def _backward(stamps: Stamps, steps: Array, kept: Array, q: float) -> Smoothed:
     smoothed = np.empty((len(stamps), 3))
     t, v, ptt, ptv, pvv = kept[-1].tolist()
     smoothed[-1] = t, v, ptt
-    for k, (ft, fv, a, b, c) in zip(range(len(stamps) - 2, -1, -1), kept[-2::-1].tolist(), strict=True):
+    for k, (ft, fv, a, b, c) in zip(range(len(stamps) - 2, -1, -1), _lists(*kept[-2::-1].T), strict=True):
         dt = float(steps[k + 1])
         # Predicted covariance M = F P Fᵀ + Q and gain G = P Fᵀ M⁻¹, written out for two states.
         mtt = a + 2.0 * dt * b + dt * dt * c + q * dt**3 / 3.0
@@ -92,3 +96,9 @@ def _backward(stamps: Stamps, steps: Array, kept: Array, q: float) -> Smoothed:
         )
         smoothed[k] = t, v, ptt
     return Smoothed(stamps, smoothed[:, 0].copy(), smoothed[:, 1].copy(), smoothed[:, 2].copy())
+
+
+def _lists(*columns: Array) -> Iterator[tuple[float, ...]]:
+    """Yield the rows of columns (m,) as numbers of Python, which are few at a time: they take much more memory."""
+    for start in range(0, len(columns[0]), AT_ONCE):
+        yield from zip(*(column[start : start + AT_ONCE].tolist() for column in columns), strict=True)

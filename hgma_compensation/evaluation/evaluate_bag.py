@@ -13,9 +13,10 @@ from hgma_compensation.evaluation.long_evaluation import LongEvaluation, Part
 from hgma_compensation.kept_memory import return_memory
 from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.progress import Advance
-from hgma_compensation.recording.bag_reader import no_samples, open_bag
+from hgma_compensation.recording.bag_reader import open_bag
 from hgma_compensation.recording.bag_topics import BagTopics
 from hgma_compensation.recording.offline_run import OfflineRun
+from hgma_compensation.recording.reading import no_samples
 from hgma_compensation.recording.recording import Extent
 from hgma_compensation.recording.streamed import survey
 from hgma_compensation.training.reference import Reference

@@ -1,5 +1,6 @@
 """Compensates a recording in memory, and says whether one has what a calibration needs."""
 
+from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +16,7 @@ from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.pipeline.pipeline import CHUNK, Pipeline
 from hgma_compensation.pipeline.screening import usable_samples
 from hgma_compensation.recording.recording import Recording
+from hgma_compensation.recording.sliced import Sampled, in_parts
 
 
 class Covered(Protocol):
@@ -35,16 +37,26 @@ class Covered(Protocol):
         """Return whether there is a finite sample of a slow input, named as the field of Recording."""
 
 
-def usable_rows(recording: Recording, calibration: Calibration) -> NDArray[np.bool_]:
+def usable_rows(recording: Sampled, calibration: Calibration) -> NDArray[np.bool_]:
     """Return for each sample whether it is compensated; as in the node, one that is not costs its whole block."""
-    columns = columns_of(calibration.channels_read)
-    usable = np.empty(len(recording.stamps), dtype=np.bool_)
-    for start in range(0, len(usable), CHUNK):
-        part = slice(start, start + CHUNK)
-        usable[part] = usable_samples(recording.stamps[part], recording.values[part][:, columns])
-    if recording.block is None or usable.all():
-        return usable
-    return ~np.isin(recording.block, recording.block[~usable])
+    return np.concatenate(
+        [np.empty(0, dtype=np.bool_), *(usable for _, usable in usable_parts(recording, calibration))]
+    )
+
+
+def usable_parts(recording: Sampled, calibration: Calibration) -> Iterator[tuple[slice, NDArray[np.bool_]]]:
+    """Yield the same for CHUNK samples at a time, and which they are."""
+    columns, spoilt = columns_of(calibration.channels_read), np.empty(0, dtype=np.int64)
+
+    def usable(part: slice) -> NDArray[np.bool_]:
+        return usable_samples(recording.stamps[part], recording.values[part][:, columns])
+
+    if recording.block is not None:
+        bad = [recording.block[part][~usable(part)] for part in in_parts(recording.samples, CHUNK)]
+        spoilt = np.unique(np.concatenate([spoilt, *(np.unique(blocks) for blocks in bad)]))
+    for part in in_parts(recording.samples, CHUNK):
+        whole = usable(part)
+        yield part, whole if recording.block is None else whole & ~np.isin(recording.block[part], spoilt)
 
 
 def check_covered(recording: Covered, calibration: Calibration) -> None:
@@ -85,7 +97,7 @@ def compensate_recording(recording: Recording, calibration: Calibration) -> Comp
     return pipeline.compensate(recording.stamps[rows], values[:, columns_of(calibration.names)], values)
 
 
-def feed(pipeline: Pipeline, recording: Recording) -> None:
+def feed(pipeline: Pipeline, recording: Sampled) -> None:
     """Give a pipeline the thermometers and the supply voltage of a recording."""
     inputs = (
         (pipeline.add_temperature, recording.temperature),
@@ -93,5 +105,6 @@ def feed(pipeline: Pipeline, recording: Recording) -> None:
         (pipeline.add_supply_voltage, recording.supply_voltage),
     )
     for add, series in inputs:
-        for stamp, value in zip(series.stamps.tolist(), series.values.tolist(), strict=True):
-            add(stamp, value)
+        for part in in_parts(len(series.stamps), CHUNK):
+            for stamp, value in zip(series.stamps[part].tolist(), series.values[part].tolist(), strict=True):
+                add(stamp, value)

@@ -21,6 +21,10 @@ class Growing:
         self._array = np.empty((min(max(declared, 1), FIRST), *shape), dtype=dtype)
         self._rows = 0
 
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return self._rows
+
     def extend(self, rows: NDArray[Any]) -> None:
         """Add rows (k, ...)."""
         end = self._rows + len(rows)

@@ -20,11 +20,12 @@ from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.screening import usable_samples
 from hgma_compensation.recording.accelerations import BlockMessages, ImuMessages
 from hgma_compensation.recording.bag import Bag
-from hgma_compensation.recording.bag_reader import bulk_messages, decoder, no_samples
+from hgma_compensation.recording.bag_reader import bulk_messages
 from hgma_compensation.recording.bag_topics import BagTopics
 from hgma_compensation.recording.batch import Batch, Indices
 from hgma_compensation.recording.compensated_bag import check_covered
 from hgma_compensation.recording.look_ahead import Held, Slow, behind, parts
+from hgma_compensation.recording.reading import decoder, no_samples
 from hgma_compensation.recording.recording import Series, no_thermistor
 from hgma_compensation.recording.slow_inputs import read_slow
 from hgma_compensation.stamps import Stamps

@@ -73,12 +73,22 @@ class Recording:
     @property
     def start(self) -> int:
         """Stamp of the first sample of accelerometer or thermistor, ns."""
-        return int(min(self.stamps.min(), self.temperature.stamps.min(initial=self.stamps.min())))
+        return int(self.temperature.stamps.min(initial=self.first))
+
+    @property
+    def first(self) -> int:
+        """Least stamp of the accelerometer, ns."""
+        return int(self.stamps.min())
+
+    @property
+    def last(self) -> int:
+        """Greatest stamp of the accelerometer, ns."""
+        return int(self.stamps.max())
 
     @property
     def duration(self) -> float:
         """Time from the first to the last accelerometer sample, s."""
-        return float((self.stamps.max() - self.stamps.min()) / NANOSECONDS)
+        return (self.last - self.first) / NANOSECONDS
 
     @property
     def samples(self) -> int:
@@ -129,10 +139,10 @@ def no_thermistor(name: str) -> RefusedError:
     )
 
 
-def present_channels(values: NDArray[np.float64], absent_groups: set[str]) -> tuple[str, ...]:
-    """Return the channels that carry something: not flagged absent, not zero throughout."""
+def present_channels(not_zero: NDArray[np.bool_], absent_groups: set[str]) -> tuple[str, ...]:
+    """Return the channels that carry something: not flagged absent, not zero throughout; not_zero: (6,)."""
     return tuple(
         channel
         for column, channel in enumerate(CHANNELS)
-        if group_of(channel) not in absent_groups and np.any(values[:, column] != 0.0)
+        if group_of(channel) not in absent_groups and not_zero[column]
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from os import SEEK_END
 from typing import Any
 
 import numpy as np
@@ -33,19 +34,26 @@ class Spooled:
     def add(self, rows: NDArray[Any]) -> None:
         """Take rows (n, width); raises RefusedError where the disk is full."""
         with _told():
+            self._file.seek(0, SEEK_END)
             self._file.write(np.ascontiguousarray(rows, dtype=self._dtype).data)
         self._rows += len(rows)
 
+    def __getitem__(self, rows: slice, /) -> NDArray[Any]:
+        """Return rows (k, width) from a start to before a stop, as a slice of an array gives them."""
+        start, stop, step = rows.indices(self._rows)
+        if step != 1:
+            raise ValueError(f"rows in a file are read one after the other, not every {step}th")
+        size, count = self._width * self._dtype.itemsize, max(stop - start, 0)
+        with _told():
+            self._file.seek(start * size)
+            content = self._file.read(count * size)
+        return np.frombuffer(content, dtype=self._dtype).reshape(-1, self._width)
+
     def parts(self, most: int | None = None) -> Iterator[NDArray[Any]]:
         """Yield the first ``most`` rows (k, width), or all, in their order."""
-        with _told():
-            self._file.seek(0)
         rows = self._count(most)
         for start in range(0, rows, AT_ONCE):
-            count = min(AT_ONCE, rows - start) * self._width
-            with _told():
-                content = self._file.read(count * self._dtype.itemsize)
-            yield np.frombuffer(content, dtype=self._dtype).reshape(-1, self._width)
+            yield self[start : min(start + AT_ONCE, rows)]
 
     def _count(self, most: int | None) -> int:
         return self._rows if most is None else min(most, self._rows)

@@ -14,8 +14,9 @@ from hgma_compensation.channels import CHANNELS, GROUPS, group_of
 from hgma_compensation.progress import Advance
 from hgma_compensation.recording.accelerations import BlockMessages, ImuMessages
 from hgma_compensation.recording.bag import Bag
-from hgma_compensation.recording.bag_reader import bulk_messages, decoder, no_samples, open_bag
+from hgma_compensation.recording.bag_reader import bulk_messages, open_bag
 from hgma_compensation.recording.bag_topics import BagTopics
+from hgma_compensation.recording.reading import decoder, no_samples
 from hgma_compensation.recording.recording import Extent, Series, no_thermistor
 from hgma_compensation.recording.slow_inputs import SLOW_INPUTS, read_slow
 from hgma_compensation.stamps import NANOSECONDS, Stamps

@@ -66,20 +66,19 @@ def recordings(diagnosis: Diagnosis) -> Html:
     material = diagnosis.material
     rows = []
     for recording in material.recordings:
-        held = material.held_out(recording.stamps, recording)
-        share = float(held.mean()) if len(held) else 0.0
+        share = material.share_held(recording)
         if share == 0.0:
             role = "learned from"
         else:
             first = instant(material.held[0])
             role = "held out" if share == 1.0 else f"held out from {first} on ({round(100.0 * share)} % of it)"
-        rate = (len(recording.stamps) - 1) / recording.duration if recording.duration > 0.0 else 0.0
+        rate = (recording.samples - 1) / recording.duration if recording.duration > 0.0 else 0.0
         rows.append(
             [
                 recording.name,
                 instant(recording.start),
                 duration(recording.duration),
-                f"{len(recording.stamps)} ({number(rate)} Hz)",
+                f"{recording.samples} ({number(rate)} Hz)",
                 role,
             ]
         )

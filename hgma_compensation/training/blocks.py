@@ -133,6 +133,10 @@ def noise_of_means(values: NDArray[np.float64]) -> float:
     """Return the white noise of a series (n,) from its second differences, which no slow drift enters."""
     if len(values) < 3:
         return 0.0
-    second = np.diff(values, 2)
+    return white_noise(float(np.median(np.abs(np.diff(values, 2)))))
+
+
+def white_noise(median: float) -> float:
+    """Return the white noise of a series whose second differences have that median magnitude."""
     # The median is deaf to shocks and steps; 6 is the gain of the second difference for white noise.
-    return float(np.median(np.abs(second)) / 0.6745 / np.sqrt(6.0))
+    return float(median / 0.6745 / np.sqrt(6.0))

@@ -45,15 +45,12 @@ def allan_chart(channel: ChannelDiagnosis) -> list[Chart]:
 
 
 def _table(error: HeldOutError) -> AllanTable | None:
-    values, known = error.compensated, np.isfinite(error.compensated)
-    if len(values) < FEWEST or known.mean() < SILENT:
+    samples = error.samples
+    if len(samples) < FEWEST or samples.known < SILENT:
         return None
-    interval = float(np.median(np.diff(error.stamps))) * 1e-9
+    interval = samples.interval
     if interval <= 0.0:
         return None
-    index = np.arange(len(values))
-    filled = np.interp(index, index[known], values[known])
-    size = -(-len(filled) // MOST)
-    means = filled[: len(filled) // size * size].reshape(-1, size).mean(axis=1)
+    size, means = samples.means(MOST)
     found = dense_table(means, interval * size)
     return found.select(np.isfinite(found.lower) & np.isfinite(found.upper) & (found.lower > 0.0))
