@@ -16,12 +16,14 @@ from hgma_compensation.diagnosis.diagnose import diagnose
 from hgma_compensation.diagnosis.held_samples import HeldSamples
 from hgma_compensation.diagnosis.medians import median_of
 from hgma_compensation.diagnosis.noise_model import NoiseModel
+from hgma_compensation.diagnosis.prepare import _noise
 from hgma_compensation.diagnosis.recordings import arrange
 from hgma_compensation.diagnosis.runs import make_run
 from hgma_compensation.recording.bag_reader import read_recording
 from hgma_compensation.recording.bag_writer import write_recording
 from hgma_compensation.recording.compensated_bag import usable_rows
 from hgma_compensation.recording.filed import FiledRecording, file_recording
+from hgma_compensation.recording.spooled import Spooled
 from hgma_compensation.stamps import NANOSECONDS
 
 SERIES = ("temperature", "temperature_2", "supply_voltage")
@@ -172,3 +174,13 @@ def test_a_diagnosis_of_recordings_in_files_is_that_of_those_in_memory(tmp_path)
     result, expected = diagnose(filed[:2], trained_before(), filed[2]), diagnosis_of_days()
     assert json.dumps(result.as_json("")) == json.dumps(expected.as_json(""))
     assert result.calibration.calibration_id == expected.calibration.calibration_id
+
+
+def test_a_sample_that_is_no_number_does_not_hide_the_noise():
+    values = np.random.default_rng(2).normal(size=(5000, 6))
+    clean, holed = Spooled(6), Spooled(6)
+    clean.add(values)
+    values[1000, 2] = np.nan
+    holed.add(values)
+    assert _noise(holed, 2) == pytest.approx(_noise(clean, 2), rel=0.01)
+    assert _noise(Spooled(6), 2) == 0.0

@@ -114,8 +114,12 @@ def _differences(samples: Spooled, column: int, order: int) -> Iterator[Array]:
 
 
 def _noise(samples: Spooled, column: int) -> float:
-    """Return the white noise of a sample, as ``noise_of_means`` does."""
-    return white_noise(median_of(lambda: _differences(samples, column, 2))) if len(samples) > 2 else 0.0
+    """Return the white noise of a sample, as ``noise_of_means`` does; 0 where no three finite ones are neighbours."""
+
+    def finite() -> Iterator[Array]:
+        return (part[np.isfinite(part)] for part in _differences(samples, column, 2))
+
+    return white_noise(median_of(finite)) if any(len(part) for part in finite()) else 0.0
 
 
 def _jump(samples: Spooled, column: int) -> float:
