@@ -13,6 +13,7 @@ from hypothesis import settings
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import write_calibration
+from hgma_compensation.demo import ros_domain
 from hgma_compensation.demo.processes import private_ros_environment
 
 # The same examples on every run and no deadline: a test's verdict must not depend on the machine.
@@ -31,6 +32,14 @@ def calibration_file(calibration: Calibration, tmp_path: Path) -> Path:
     """Return the path of that calibration's file, alone in its folder."""
     write_calibration(calibration, tmp_path / "sensor.json")
     return tmp_path / "sensor.json"
+
+
+@pytest.fixture(autouse=True)
+def domains_are_given_back():
+    """Give up what a test took of the machine's hundred ROS domains, once all that talked there has ended."""
+    kept = ros_domain.held()
+    yield
+    ros_domain.give_back(kept)
 
 
 @pytest.fixture

@@ -23,9 +23,18 @@ time.sleep(60.0)
 """
 
 
+_others = set()
+"""Processes that other tests of this run have started and left."""
+
+
+def children():
+    """Return the numbers of the loading processes."""
+    return [number for number in children_of(os.getpid()) if number not in _others]
+
+
 def child():
     """Return the number of the only loading process."""
-    (number,) = children_of(os.getpid())
+    (number,) = children()
     return number
 
 
@@ -40,8 +49,10 @@ def nothing():
 @pytest.fixture(autouse=True)
 def nobody_left():
     """Let a test that fails leave no stopped process behind: only being killed would end it."""
+    _others.clear()
+    _others.update(children_of(os.getpid()))
     yield
-    for number in children_of(os.getpid()):
+    for number in children():
         os.kill(number, signal.SIGKILL)
 
 
@@ -50,7 +61,7 @@ def loading():
     made = LoadingProcess(patience=20.0)
     yield made
     made.close()
-    assert not children_of(os.getpid())
+    assert not children()
 
 
 def test_a_process_that_ended_while_nobody_asked_is_replaced(loading, calibration_file, calibration):
@@ -67,7 +78,7 @@ def test_a_process_that_is_killed_in_the_middle_is_replaced_and_asked_once_more(
     os.kill(first, signal.SIGSTOP)
 
     def kill():
-        if first in children_of(os.getpid()):
+        if first in children():
             os.kill(first, signal.SIGKILL)
 
     pipeline = loading.ask(request(calibration_file), kill)
@@ -76,7 +87,7 @@ def test_a_process_that_is_killed_in_the_middle_is_replaced_and_asked_once_more(
 
 def test_a_request_that_ends_two_processes_is_given_up_and_the_next_one_is_answered(loading, calibration_file):
     def kill():
-        for number in children_of(os.getpid()):
+        for number in children():
             os.kill(number, signal.SIGKILL)
 
     os.kill(child(), signal.SIGSTOP)
@@ -126,15 +137,15 @@ def test_processes_that_cannot_even_be_killed_do_not_pile_up(monkeypatch, calibr
     with monkeypatch.context() as patch:
         patch.setattr(subprocess.Popen, "kill", lambda _: None)
         for _ in range(module.MOST_HANGING + 3):
-            for number in children_of(os.getpid()):
+            for number in children():
                 os.kill(number, signal.SIGSTOP)
             with pytest.raises((TimeoutError, ChildProcessError)):
                 loading.ask(request(calibration_file), nothing)
-        assert len(children_of(os.getpid())) == module.MOST_HANGING + 1
+        assert len(children()) == module.MOST_HANGING + 1
     for killed in loading._killed:
         killed.kill()
     loading.close()
-    assert not children_of(os.getpid())
+    assert not children()
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])

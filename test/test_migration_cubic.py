@@ -109,7 +109,7 @@ def test_the_answer_to_the_rate_is_named_with_its_size():
     drift = PolynomialDrift(SCALING, np.array([[1, 0, 0], [0, 1, 0]]), np.array([1.0, 0.05]))
     lines = not_carried(with_drift(make_calibration(), drift), LINEAR[:1])
     # 0.05 m/s² at each 0.05 °C/s of the scaling, over rates of up to 1 °C/s.
-    assert lines == ("answer of the drift to the temperature's rate: linear_acceleration.x (up to 1 m/s^2)",)
+    assert lines == ("answer of the drift to the temperature's rate: linear_acceleration.x (up to 1.00 m/s²)",)
 
 
 def test_a_product_with_a_fixed_temperature_is_no_answer_to_the_rate():

@@ -28,6 +28,17 @@ def take_domain() -> int:
     raise RuntimeError("all ROS domains are taken: wait until other runs have ended, or set ROS_DOMAIN_ID")
 
 
+def held() -> int:
+    """Return how many domains this process holds."""
+    return len(_held)
+
+
+def give_back(kept: int) -> None:
+    """Give up the domains that were taken after the first ``kept``; nothing may talk there any more."""
+    while len(_held) > kept:
+        os.close(_held.pop())
+
+
 def _lock(path: Path) -> int | None:
     """Return the descriptor of a locked file, None where another process, or another user, has it."""
     try:
