@@ -47,8 +47,8 @@ def measure(given: Given) -> Result:
             hours = SHORT_DIAGNOSED if command == "diagnose" else SHORT
             long, short = (bag(replace(content, seconds=h * HOUR), given.bags) for h in (LONG, hours))
             what, rival = f"hgma {command}, {LONG} h of {name}", f"that of {hours} h"
-            # A diagnosis of a day of blocks takes minutes.
-            repetitions = 1 if command == "diagnose" and content.block > 1 else given.repetitions
+            # A diagnosis of a day takes a minute or more, and as much memory each time.
+            repetitions = 1 if command == "diagnose" else given.repetitions
             rows.append(_row(what, rival, execute, (long, short), repetitions))
             given.say(f"{rows[-1].name}: {rows[-1].ratio:.2f}")
     return Result(tuple(rows))
