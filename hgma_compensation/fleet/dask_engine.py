@@ -94,6 +94,8 @@ def _client(address: str) -> Iterator[Client]:
     except ModuleNotFoundError:
         raise RefusedError("--scheduler needs Dask: pip install 'hgma_compensation[fleet]'") from None
     try:
+        # A client of an address that is none waits at its end, and then complains of that.
+        import_module("distributed.comm.addressing").get_address_host_port(address)
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
