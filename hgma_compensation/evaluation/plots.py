@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hgma_compensation.channels import unit_of
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.evaluation.evaluate import ChannelEvaluation, Evaluation
+from hgma_compensation.quantities import shown_unit
 
 RAW, COMPENSATED = "#b5482a", "#1f6f8b"
 """Told apart by hue and by lightness, in print and by colour-blind readers."""
@@ -29,7 +30,7 @@ def plot_evaluation(evaluation: Evaluation, path: Path, title: str) -> None:
         _against(left, channel.time / 60.0, channel, lines=True)
         _against(middle, channel.temperature, channel, lines=False)
         _left_over(right, channel)
-        left.set_ylabel(f"{channel.name}\nerror, {unit_of(channel.name)}")
+        left.set_ylabel(f"{channel.name}\nerror, {shown_unit(unit_of(channel.name))}")
         left.legend(loc="best", fontsize="small")
     axes[-1][0].set_xlabel("time, min")
     axes[0][2].set_title("what is left", fontsize="medium")
