@@ -1,13 +1,12 @@
 """``hgma play``."""
 
-import signal
 from pathlib import Path
 
 import click
 
 from hgma_compensation.cli import options
+from hgma_compensation.cli.ros_node import ros_node, ros_required
 from hgma_compensation.cli.terminal import counting_bar, write_json
-from hgma_compensation.errors import RefusedError
 from hgma_compensation.quantities import count
 from hgma_compensation.recording.bag_reader import open_bag
 from hgma_compensation.topics import TopicNames
@@ -38,24 +37,13 @@ def command(
     bag: Path, rate: float, loop: bool, clock: bool, wait: float, names: TopicNames, json_path: Path | None
 ) -> None:
     """Publish a recording to ROS, each message with the content and stamp it was recorded with."""
-    try:
-        import rclpy  # only this command and the node need ROS
-        from rclpy.signals import SignalHandlerOptions
-
-        from hgma_compensation.node.player import Player, PlayOptions
-    except ImportError as error:
-        raise RefusedError(f"rclpy is not installed ({error}): run make, or source your ROS 2 workspace") from error
+    with ros_required():
+        from hgma_compensation.node.player import Player, PlayOptions  # only few commands need ROS
     with open_bag(bag) as reader:
         total = reader.message_count
-    # SIGINT too: a shell starts what it puts into the background with that ignored.
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.default_int_handler)
-    # Python's handlers interrupt the sleep between two messages; rclpy's race with its own shutdown.
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node("hgma_player")
     played, interrupted = 0, False
     try:
-        with counting_bar("playing", None if loop else total) as advance:
+        with ros_node("hgma_player") as node, counting_bar("playing", None if loop else total) as advance:
 
             def tell(messages: int) -> None:
                 nonlocal played
@@ -65,8 +53,5 @@ def command(
             played = Player(node, bag, PlayOptions(rate, loop, clock, wait, names), tell).play()
     except KeyboardInterrupt:
         interrupted = True
-    finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
     click.echo(f"{bag}: {count(played)} messages played{', interrupted' if interrupted else ''}")
     write_json(json_path, {"messages": played, "interrupted": interrupted})

@@ -1,7 +1,8 @@
 """``hgma watch``."""
 
-import signal
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from rich.text import Text
 
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
+from hgma_compensation.cli.ros_node import ros_node, ros_required
 from hgma_compensation.cli.terminal import console, new_table, write_json
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.quantities import UNKNOWN, number, shown_unit
@@ -43,27 +45,16 @@ def command(seconds: float | None, namespace: str, names: TopicNames, json_path:
     A table that is drawn anew on a terminal, a line each second elsewhere. For a robot without a screen of its own;
     with one, rqt_plot and Foxglove show the same topics.
     """
-    try:
-        import rclpy  # only the commands that talk to ROS need it
+    with ros_required():
         from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-        from rclpy.signals import SignalHandlerOptions
 
         from hgma_compensation.node.watcher import Watcher
-    except ImportError as error:
-        raise RefusedError(f"rclpy is not installed ({error}): run make, or source your ROS 2 workspace") from error
     prefix = _prefix(namespace)
-    # SIGINT too: a shell starts what it puts into the background with that ignored.
-    for ending in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(ending, signal.default_int_handler)
-    # Python's handlers interrupt the waiting; rclpy's race with its own shutdown.
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node("hgma_watch")
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    watcher, shown = Watcher(node, lambda topic: prefix + names[topic]), _Screen()
+    shown = _Screen()
     begin = time.monotonic()
     try:
-        with shown:
+        with ros_node("hgma_watch") as node, closing_executor(SingleThreadedExecutor(), node) as executor, shown:
+            watcher = Watcher(node, lambda topic: prefix + names[topic])
             while seconds is None or time.monotonic() - begin < seconds:
                 until = time.monotonic() + PERIOD
                 start = time.monotonic()
@@ -73,10 +64,6 @@ def command(seconds: float | None, namespace: str, names: TopicNames, json_path:
                 shown.show(window, time.monotonic() - start, watcher.advice(window))
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    finally:
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.try_shutdown()
     write_json(json_path, shown.last)
 
 
@@ -93,6 +80,16 @@ def _prefix(namespace: str) -> str:
             f"--namespace {namespace}: give the node's namespace, words of letters, digits and _ with / between"
         ) from None
     return prefix
+
+
+@contextmanager
+def closing_executor(executor: Any, node: Any) -> Iterator[Any]:
+    """Give an executor that spins the node, and shut it down after it."""
+    executor.add_node(node)
+    try:
+        yield executor
+    finally:
+        executor.shutdown()
 
 
 class _Screen:
