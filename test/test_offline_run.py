@@ -216,7 +216,7 @@ def test_rows_of_states_are_the_serialised_messages(channels, frame, seed):
     slow = SlowColumns(random.standard_normal((count, 3)), inside, status, wide[3])
     result = Compensated(wide[0], wide[0], slow, drift=wide[1], innovation=wide[2])
     heads = random.integers(0, 256, (2, 8)).astype(np.uint8)
-    rows = StateRows(calibration, frame).rows(heads, result, np.array([1, 4]))
+    rows = StateRows(calibration, frame).rows(heads, result.take(np.array([1, 4])))
     store = types.typestore()
     for row, head, sample in zip(rows, heads, (1, 4), strict=True):
         stamp = store.types["builtin_interfaces/msg/Time"](

@@ -37,7 +37,7 @@ class BlockLayout:
         self._bytes = [raw[part] for part in self._fixed]
         self._strides = (self.count * _FLOAT32.itemsize + _LENGTH.size, _FLOAT32.itemsize)
 
-    def holds(self, raw: bytes) -> bool:
+    def holds(self, raw: bytes | memoryview) -> bool:
         """Return whether a message is laid out like this."""
         return len(raw) == self._size and all(map(eq, map(raw.__getitem__, self._fixed), self._bytes))
 

@@ -13,21 +13,15 @@ from hgma_compensation.cdr.block import BlockLayout, BlockView
 from hgma_compensation.cdr.header import read_stamp
 from hgma_compensation.channels import AXES, CHANNELS, GROUPS
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.messages import block_offsets, block_samples, check_block, patch_block, stamp_of, widen_block
+from hgma_compensation.messages import block_samples, check_block, patch_block, stamp_of, widen_block
 from hgma_compensation.node.admission import Admission
 from hgma_compensation.node.outputs import States, header_of, publish_all
 from hgma_compensation.node.unreadable import read
 from hgma_compensation.pipeline.live import LiveCompensation
 from hgma_compensation.pipeline.live_result import LiveResult
-from hgma_compensation.pipeline.ordinary_block import BlockOffsets
+from hgma_compensation.pipeline.ordinary_block import offsets_of
 from hgma_compensation.pipeline.reasons import Skip
 from hgma_msgs.msg import AccelBlock
-
-
-@lru_cache(maxsize=4)
-def _offsets(count: int, interval: float) -> BlockOffsets:
-    """Return ``block_offsets``: a driver sends blocks of a few kinds, so that these serve all of them."""
-    return BlockOffsets(block_offsets(count, interval))
 
 
 class BlockStream:
@@ -58,7 +52,7 @@ class BlockStream:
         layout = self._layout
         if layout is None or not layout.holds(raw) or self._admission.reason_to_skip(layout.frame) is not None:
             return None
-        stamp, offsets = read_stamp(raw), _offsets(layout.count, layout.sample_interval)
+        stamp, offsets = read_stamp(raw), offsets_of(layout.count, layout.sample_interval)
         patched = bytearray(raw)
         if not self._live.compensate_block(stamp, offsets, layout.axes(raw), layout.axes(patched)):
             return None
@@ -84,7 +78,7 @@ class BlockStream:
             return view.stamp
         if self._layout is None or not self._layout.holds(raw):
             self._layout = BlockLayout(view)
-        stamps = view.stamp + _offsets(count, view.sample_interval).stamps
+        stamps = view.stamp + offsets_of(count, view.sample_interval).stamps
         result = self._live.compensate(stamps, _widened(view))
         if result is not None:
             publish_all(self._publisher, [view.patched(_axes(result))])

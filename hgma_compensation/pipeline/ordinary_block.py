@@ -6,11 +6,13 @@ The same formula as ``SlowSamples``, for samples that do nothing but go on, with
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.effect_encoding import LARGEST_ACCELERATION
+from hgma_compensation.messages import block_offsets
 from hgma_compensation.pipeline.cell_values import Cell
 from hgma_compensation.pipeline.screening import SERIAL, increases, sum_of_squares
 from hgma_compensation.stamps import Stamps
@@ -43,6 +45,12 @@ class BlockOffsets:
         return len(self.stamps)
 
 
+@lru_cache(maxsize=4)
+def offsets_of(count: int, interval: float) -> BlockOffsets:
+    """Return those of blocks of a length and an interval in s: a sensor sends few kinds, so that these serve all."""
+    return BlockOffsets(block_offsets(count, interval))
+
+
 @dataclass(frozen=True)
 class BlockSums:
     """Of samples less their drift: sums and sums of squares (k,), and the last sample (k,).
@@ -68,8 +76,8 @@ class OrdinaryBlocks:
     def take(self, stamp: int, offsets: BlockOffsets, rows: Rows, cells: Sequence[Cell], out: Rows) -> BlockSums | None:
         """Write the samples (k, n) of a block at a stamp (ns) less their drift to ``out`` (k, n).
 
-        cells: those from the first sample to the last. Return what the samples add up to; None where one may be
-        implausible, and ``out`` is then to be thrown away.
+        out: may be the rows themselves. cells: those from the first sample to the last. Return what the samples add up
+        to; None where one may be implausible, and ``out`` is then to be thrown away.
         """
         count, begin = len(offsets), 0
         totals, squares = [0.0] * len(rows), [0.0] * len(rows)

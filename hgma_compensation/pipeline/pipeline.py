@@ -106,7 +106,7 @@ class Pipeline:
 
         None where each sample must be looked at.
         """
-        if self._filters.used or self.stage.has_fast or self.cuts or not self._time_lines.single:
+        if self._filters.used or self.stage.has_fast or not self._time_lines.single:
             return None
         return self._slow.uniform(self.inputs, first, last) if self._stretches.only_go_on(first, last) else None
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Iterator, Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,6 @@ from hgma_compensation.cdr.imu import ImuBatch, batches
 from hgma_compensation.channels import AXES, CHANNELS, GROUPS
 from hgma_compensation.messages import (
     absent_groups,
-    block_offsets,
     block_samples,
     check_block,
     imu_values,
@@ -28,6 +26,7 @@ from hgma_compensation.messages import (
     stamp_of,
 )
 from hgma_compensation.pipeline.compensated import Compensated
+from hgma_compensation.pipeline.ordinary_block import offsets_of
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.batch import Batch, Indices, joined, windows
 from hgma_compensation.stamps import Stamps
@@ -115,11 +114,17 @@ class BlockMessages:
         self.values: Array = np.zeros((len(CHANNELS), len(self.stamps))).T
         for block, rows in zip(self._blocks, self.samples(), strict=True):
             if isinstance(block, BlockView):
-                np.add(_offsets(len(block.x), block.sample_interval), block.stamp, out=self.stamps[rows])
+                np.add(offsets_of(len(block.x), block.sample_interval).stamps, block.stamp, out=self.stamps[rows])
                 for column, axis in enumerate(AXES):
                     self.values[rows, column] = getattr(block, axis)
             else:
                 self.stamps[rows], self.values[rows, : len(AXES)] = block_samples(block, source)
+
+    @property
+    def last_view(self) -> BlockView | None:
+        """The last of the messages, None where its layout is not recognised."""
+        last = self._blocks[-1]
+        return last if isinstance(last, BlockView) else None
 
     def samples(self) -> list[slice]:
         """Return the samples of each message."""
@@ -147,12 +152,6 @@ class BlockMessages:
                 patch_block(block, channels, values)
                 raws.append(bytes(types.typestore().serialize_cdr(block, types.ACCEL_BLOCK)))
         return Batch.of_messages([0] * len(raws), self._batch.times[rows].tolist(), raws)
-
-
-@lru_cache(maxsize=4)
-def _offsets(count: int, interval: float) -> Stamps:
-    """Return what ``block_offsets`` does, which is the same for all blocks of a sensor; not to be written to."""
-    return block_offsets(count, interval)
 
 
 def _imu_pieces(batch: Batch, decode: Decode) -> Iterator[tuple[slice, ImuBatch | Any]]:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 from rosbags.interfaces import Connection
 
 from hgma_compensation import topics
@@ -14,13 +13,13 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.kept_memory import keep_memory
 from hgma_compensation.pipeline.state_rate import DEFAULT_RATE, StateRate
 from hgma_compensation.recording import typestore as types
-from hgma_compensation.recording.accelerations import of_rows
 from hgma_compensation.recording.bag_reader import open_bag
 from hgma_compensation.recording.bag_topics import BagTopics
 from hgma_compensation.recording.bag_writer import BagWriter, Storage, new_bag
 from hgma_compensation.recording.batch import Batch
+from hgma_compensation.recording.compensation import Made
 from hgma_compensation.recording.in_turn import InTurn
-from hgma_compensation.recording.offline_run import Compensation, OfflineRun
+from hgma_compensation.recording.offline_run import OfflineRun
 from hgma_compensation.recording.state_rows import StateRows
 
 MOST_WAITING = 1
@@ -62,7 +61,7 @@ def write_compensated(
             copies = [bag.copy_topic(connection) for connection in copied]
             writing = _Outputs(bag, calibration, state_rate, blocks=found.blocks)
             with InTurn(MOST_WAITING) as turn:
-                for batch, made in run.windows():
+                for batch, made in run.outputs():
                     turn.submit(writing.take, copies, batch, made)
                     if progress is not None:
                         progress(len(batch), reader.message_count)
@@ -82,36 +81,23 @@ class _Outputs:
         self._layouts: dict[str, StateRows] = {}
         self.figures = Copied()
 
-    def take(self, copies: list[Connection], batch: Batch, made: Compensation | None) -> None:
+    def take(self, copies: list[Connection], batch: Batch, made: list[Made]) -> None:
         """Write messages as they are, and what the pipeline made of those of the accelerometer among them.
 
         In a thread of its own: nothing else writes to the bag meanwhile.
         """
         self._bag.write_batch(copies, batch)
-        if made is not None and len(made.usable):
-            self._write_compensated(made)
-            self._write_states(made)
+        for part in made:
+            self.figures.compensated += part.compensated
+            self.figures.outside_range += part.outside_range
+            self._bag.write_batch([self._output], part.outputs(self._calibration.names))
+            ends = part.ends()
+            chosen = self._rate.choose(ends.stamps, ends.status, ends.inside)
+            for states in part.states(chosen, self._layout):
+                self._bag.write_batch([self._state], states)
 
-    def _write_compensated(self, made: Compensation) -> None:
-        self.figures.compensated += len(made.result.values)
-        if not made.result.ordinary:
-            self.figures.outside_range += int(np.count_nonzero(~made.result.inside_range))
-        batch = made.messages.compensated(self._calibration.names, made.usable, made.result)
-        self._bag.write_batch([self._output], batch)
-
-    def _write_states(self, made: Compensation) -> None:
-        """Write the states of the messages that get one: each is that of the message's last sample."""
-        result, messages = made.result, made.messages
-        last = np.cumsum(messages.counts[made.usable]) - 1
-        stamps = messages.stamps[made.samples[last]]
-        status, inside = np.zeros(len(last), dtype=np.uint8), np.ones(len(last), dtype=np.bool_)
-        if not result.ordinary:
-            status, inside = result.status[last], result.inside_range[last]
-        chosen = self._rate.choose(stamps, status, inside)
-        rows = made.usable[chosen]
-        heads = messages.heads(rows)
-        for part, frame in messages.frames(rows):
-            if frame not in self._layouts:
-                self._layouts = {frame: StateRows(self._calibration, frame)}
-            states = self._layouts[frame].rows(heads[part], result, last[chosen[part]])
-            self._bag.write_batch([self._state], of_rows(states, made.times[rows[part]]))
+    def _layout(self, frame: str) -> StateRows:
+        """Return the states of accelerations of a frame, of which there is mostly one."""
+        if frame not in self._layouts:
+            self._layouts = {frame: StateRows(self._calibration, frame)}
+        return self._layouts[frame]

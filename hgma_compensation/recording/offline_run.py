@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,9 +12,8 @@ from rosbags.interfaces import Connection
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.effect_encoding import LARGEST_ACCELERATION
-from hgma_compensation.channels import CHANNELS, columns_of, group_of
+from hgma_compensation.channels import AXES, CHANNELS, columns_of, group_of
 from hgma_compensation.effects.effect import Need
-from hgma_compensation.pipeline.compensated import Compensated
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.screening import usable_samples
 from hgma_compensation.recording.accelerations import BlockMessages, ImuMessages
@@ -24,10 +22,12 @@ from hgma_compensation.recording.bag_reader import bulk_messages
 from hgma_compensation.recording.bag_topics import BagTopics
 from hgma_compensation.recording.batch import Batch, Indices
 from hgma_compensation.recording.compensated_bag import check_covered
+from hgma_compensation.recording.compensation import Compensation, Made
 from hgma_compensation.recording.look_ahead import Held, Slow, behind, parts
 from hgma_compensation.recording.reading import decoder, no_samples
 from hgma_compensation.recording.recording import Series, no_thermistor
 from hgma_compensation.recording.slow_inputs import read_slow
+from hgma_compensation.recording.whole_blocks import WholeBlockReader
 from hgma_compensation.stamps import Stamps
 
 LAG = 3600.0
@@ -35,21 +35,6 @@ LAG = 3600.0
 
 PIECE = 480 << 10
 """Bytes of blocks that are compensated at once, about: few enough for the pipeline to have no results to join."""
-
-
-@dataclass(frozen=True)
-class Compensation:
-    """What the pipeline made of accelerometer messages.
-
-    messages: k of them. times: (k,) their log times, ns. usable: (m,) which of them were compensated, as one that is
-    not finite costs its whole message. samples: (n,) of the usable messages. result: of these samples.
-    """
-
-    messages: ImuMessages | BlockMessages
-    times: Stamps
-    usable: Indices
-    samples: Indices
-    result: Compensated
 
 
 class OfflineRun:
@@ -75,6 +60,7 @@ class OfflineRun:
         self._fast = self._among([numbers[c.id] for c in found.accelerometer])
         self._slow = [(slow, self._among([numbers[c.id] for c in own])) for slow, own in found.slow if own]
         self._pipeline = Pipeline(calibration, lag=LAG)
+        self._whole = WholeBlockReader(self._pipeline)
         self._columns, self._columns_read = columns_of(calibration.names), columns_of(calibration.channels_read)
         self.samples = 0
         self._decoders = [decoder(bag, path, connection) for connection in connections]
@@ -94,11 +80,42 @@ class OfflineRun:
 
         Raises RefusedError where there is no thermistor.
         """
+        for held in self._held():
+            for batch in self._pieces(held):
+                own = self._accelerations(batch)
+                yield batch, self._compensated(own) if len(own) else None
+
+    def outputs(self) -> Iterator[tuple[Batch, list[Made]]]:
+        """Yield the same to be written, with blocks taken as wholes where that makes no difference."""
+        for held in self._held():
+            yield held, list(self._made(self._accelerations(held)))
+
+    def _held(self) -> Iterator[Batch]:
         if not any(slow.need is None for slow, _ in self._slow):
             raise no_thermistor(self.name)
-        for held in behind(self._parts(), self):
-            for batch in self._pieces(held):
-                yield batch, self._compensated(batch)
+        yield from behind(self._parts(), self)
+
+    def _accelerations(self, batch: Batch) -> Batch:
+        """Return the messages of the accelerometer."""
+        return batch.select(np.flatnonzero(self._fast[batch.topics]))
+
+    def _made(self, own: Batch) -> Iterator[Made]:
+        """Yield what becomes of messages of the accelerometer."""
+        while len(own):
+            whole = self._whole.take(own) if self._found.blocks and self._span is None else None
+            if whole is None:
+                piece = next(self._pieces(own))
+                own = own.select(slice(len(piece), None))
+                made = self._compensated(piece)
+                if isinstance(made.messages, BlockMessages):
+                    self._whole.learn(made.messages)
+                if len(made.usable):
+                    yield made
+            else:
+                own = own.select(slice(len(whole.messages), None))
+                self.samples += whole.compensated
+                self._not_zero[: len(AXES)] |= self._whole.not_zero
+                yield whole
 
     def check(self) -> None:
         """Raise RefusedError where the bag, read to its end, lacks what the calibration needs."""
@@ -162,11 +179,9 @@ class OfflineRun:
             if slow.need is not None and np.isfinite(slow.series.values).any():
                 self._has.add(slow.need.value)
 
-    def _compensated(self, batch: Batch) -> Compensation | None:
-        rows = np.flatnonzero(self._fast[batch.topics])
-        if not len(rows):
-            return None
-        own, decode = batch.select(rows), self._decoders[int(batch.topics[rows[0]])]
+    def _compensated(self, own: Batch) -> Compensation:
+        """Compensate messages of the accelerometer, of which there is one at least, sample by sample."""
+        decode = self._decoders[int(own.topics[0])]
         source = f"bag {self._path}"
         messages = BlockMessages(own, decode, source) if self._found.blocks else ImuMessages(own, decode)
         values, inside = messages.values, self._inside(messages.stamps)

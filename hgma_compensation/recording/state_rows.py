@@ -10,7 +10,6 @@ from hgma_compensation.pipeline.compensated import Compensated, zeros
 from hgma_compensation.pipeline.state_fields import state_fields
 from hgma_compensation.recording import typestore as types
 from hgma_compensation.recording.accelerations import STAMP_AT, STAMP_SIZE
-from hgma_compensation.recording.batch import Indices
 
 _FRAME = STAMP_AT + STAMP_SIZE
 _LENGTH = 4
@@ -38,11 +37,10 @@ class StateRows:
             place = self._arrays[-1].stop
         self._inside = place
 
-    def rows(self, heads: NDArray[np.uint8], result: Compensated, chosen: Indices) -> NDArray[np.uint8]:
-        """Return the states (m, size) of the samples ``chosen`` (m,); heads: (m, 8), their stamps as serialised."""
-        made = np.tile(self._template, (len(chosen), 1))
+    def rows(self, heads: NDArray[np.uint8], result: Compensated) -> NDArray[np.uint8]:
+        """Return the states (m, size) of samples; heads: (m, 8), their stamps as serialised."""
+        made = np.tile(self._template, (len(heads), 1))
         made[:, STAMP_AT:_FRAME] = heads
-        result = result.take(chosen)
         columns = (result.features, result.drift, result.uncertainty, result.innovation)
         for place, values in zip((self._features, *self._arrays), columns, strict=True):
             fields(made, place.start, place.stop, FLOAT64)[:] = values
