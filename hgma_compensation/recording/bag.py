@@ -64,4 +64,4 @@ class Bag:
 
     def deserialize(self, raw: bytes, message_type: str) -> Any:
         """Return the message, of a type of ROS 2 Jazzy or hgma_msgs."""
-        return types.typestore().deserialize_cdr(raw, message_type)
+        return types.typestore_of(message_type).deserialize_cdr(raw, message_type)

@@ -39,7 +39,7 @@ class BagWriter:
 
     def topic(self, name: str, message_type: str) -> Connection:
         """Add a topic."""
-        return self._writer.add_connection(name, message_type, typestore=self.typestore)
+        return self._writer.add_connection(name, message_type, typestore=types.typestore_of(message_type))
 
     def copy_topic(self, connection: Connection) -> Connection:
         """Add a topic of another bag, type definition and QoS included; raises RefusedError where that cannot be."""
@@ -49,7 +49,7 @@ class BagWriter:
                 connection.msgtype,
                 msgdef=connection.msgdef.data or None,
                 rihs01=connection.digest or None,
-                typestore=self.typestore,
+                typestore=types.typestore_of(connection.msgtype),
                 offered_qos_profiles=getattr(connection.ext, "offered_qos_profiles", ()),
             )
         except Exception as error:  # whatever the library makes of a definition or a QoS from outside
