@@ -40,14 +40,13 @@ class BulkSqlite3Writer(Sqlite3Writer):
     """Adds ``write_batch``."""
 
     def __init__(self, path: Path, compression: CompressionMode) -> None:
-        """Create the database."""
-        super().__init__(path, compression)
-        self.conn.close()
+        """Create the database as the library does, but with the settings before there is anything in it."""
+        self.path = path / f"{path.name}.db3"
         # Used by two threads, never by both at once.
         self.conn = sqlite3.connect(f"file:{quote(str(self.path))}", uri=True, check_same_thread=False)
         for setting in SETTINGS:
             self.conn.execute(f"PRAGMA {setting}")
-        self.conn.execute("VACUUM")  # the tables are there already, in pages of another size
+        self.conn.executescript(self.SQLITE_SCHEMA)
         self.cursor = self.conn.cursor()
 
     def write_batch(self, channels: Indices, batch: Batch) -> None:
