@@ -24,7 +24,7 @@ from benchmarks.soak.reload_account import Recorded, Request, faults_of
 from benchmarks.soak.reload_client import ReloadClient
 from benchmarks.soak.reload_files import write_calibrations, write_refused
 from benchmarks.soak.resident import children_of, processor_seconds, resident_kilobytes
-from hgma_compensation.cli.terminal import counting_bar
+from hgma_compensation.cli.progress_bars import counting_bar
 from hgma_compensation.demo.processes import private_ros_environment, running
 
 NODE = (sys.executable, "-m", "hgma_compensation.node.main", "--ros-args")

@@ -9,15 +9,10 @@ from rich.text import Text
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
+from hgma_compensation.cli.json_figures import write_json
 from hgma_compensation.cli.paths import CalibrationPath, ChannelList, RecordingPath
-from hgma_compensation.cli.terminal import (
-    console,
-    counting_bar,
-    new_table,
-    progress_bar,
-    show_table,
-    write_json,
-)
+from hgma_compensation.cli.progress_bars import counting_bar, progress_bar
+from hgma_compensation.cli.tables import console, new_table, show_table
 from hgma_compensation.coverage.check import check
 from hgma_compensation.coverage.effect_names import parse_effects
 from hgma_compensation.coverage.reading import read

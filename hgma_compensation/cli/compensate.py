@@ -6,8 +6,10 @@ import click
 
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.cli import options
+from hgma_compensation.cli.json_figures import write_json
+from hgma_compensation.cli.outputs import check_new
+from hgma_compensation.cli.progress_bars import progress_bar
 from hgma_compensation.cli.recording_topics import declared_messages
-from hgma_compensation.cli.terminal import check_new, progress_bar, write_json
 from hgma_compensation.pipeline.state_rate import DEFAULT_RATE
 from hgma_compensation.quantities import count
 from hgma_compensation.recording.bag_writer import Storage

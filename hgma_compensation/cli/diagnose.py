@@ -11,10 +11,12 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import read_calibration, write_calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
+from hgma_compensation.cli.json_figures import write_json
 from hgma_compensation.cli.output_folder import check_output_folder, scratch_folder
 from hgma_compensation.cli.paths import RecordingPath
+from hgma_compensation.cli.progress_bars import counting_bar, progress_bar
 from hgma_compensation.cli.recording_topics import declared_messages
-from hgma_compensation.cli.terminal import console, counting_bar, new_table, progress_bar, write_json
+from hgma_compensation.cli.tables import console, new_table
 from hgma_compensation.diagnosis.diagnose import diagnose
 from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis
 from hgma_compensation.diagnosis.verdict import Verdict

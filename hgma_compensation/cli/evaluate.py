@@ -8,9 +8,12 @@ from rich.table import Table
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
+from hgma_compensation.cli.json_figures import write_json
+from hgma_compensation.cli.outputs import check_folder
+from hgma_compensation.cli.progress_bars import counting_bar
 from hgma_compensation.cli.recording_topics import declared_messages
 from hgma_compensation.cli.report_option import report_option
-from hgma_compensation.cli.terminal import check_folder, counting_bar, new_table, show_table, write_json
+from hgma_compensation.cli.tables import new_table, show_table
 from hgma_compensation.evaluation.evaluate import MEAN_SECONDS, Evaluation
 from hgma_compensation.evaluation.evaluate_bag import evaluate_bag
 from hgma_compensation.quantities import quantity

@@ -9,8 +9,11 @@ from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import parse_channels, unit_of
 from hgma_compensation.cli import options
 from hgma_compensation.cli.export_tables import loss_table, recording_table
+from hgma_compensation.cli.json_figures import write_json
+from hgma_compensation.cli.outputs import check_new
 from hgma_compensation.cli.paths import CalibrationPath, ChannelList, RecordingPath
-from hgma_compensation.cli.terminal import check_new, console, counting_bar, write_json
+from hgma_compensation.cli.progress_bars import counting_bar
+from hgma_compensation.cli.tables import console
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
 from hgma_compensation.migration.export import Export, make_export

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rich.table import Table
 
 from hgma_compensation.channels import unit_of
-from hgma_compensation.cli.terminal import new_table
+from hgma_compensation.cli.tables import new_table
 from hgma_compensation.migration.export import Export
 from hgma_compensation.migration.px4 import RENEWED_AFTER
 from hgma_compensation.migration.recording_loss import RecordingLoss

@@ -12,7 +12,9 @@ from rich.text import Text
 
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import new_table, progress_bar, show_table, write_json
+from hgma_compensation.cli.json_figures import write_json
+from hgma_compensation.cli.progress_bars import progress_bar
+from hgma_compensation.cli.tables import new_table, show_table
 from hgma_compensation.cli.training_options import settings_of, training_options
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically

@@ -8,7 +8,9 @@ from click.core import ParameterSource
 
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.cli import options, paths
-from hgma_compensation.cli.terminal import check_new, counting_bar, write_json
+from hgma_compensation.cli.json_figures import write_json
+from hgma_compensation.cli.outputs import check_new
+from hgma_compensation.cli.progress_bars import counting_bar
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.migration.presets import PRESETS
 from hgma_compensation.quantities import count, duration

@@ -11,8 +11,9 @@ from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.calibration.encoding import encode
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options, paths
+from hgma_compensation.cli.json_figures import write_json
 from hgma_compensation.cli.provenance import diagnosed, trained
-from hgma_compensation.cli.terminal import new_table, show_table, write_json
+from hgma_compensation.cli.tables import new_table, show_table
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
 from hgma_compensation.effects.applied import AppliedEffect
 from hgma_compensation.kalman.design import SettledFilter, settled_filter

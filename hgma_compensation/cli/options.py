@@ -7,8 +7,9 @@ from typing import Any
 
 import click
 
+from hgma_compensation.cli.json_figures import figures_to
+from hgma_compensation.cli.outputs import STANDARD_OUTPUT
 from hgma_compensation.cli.paths import CalibrationPath, PathArgument, RecordingPath
-from hgma_compensation.cli.terminal import STANDARD_OUTPUT, figures_to
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.recording.bag_writer import Storage
 from hgma_compensation.topics import TopicNames

@@ -7,7 +7,9 @@ import click
 from rich.table import Table
 
 from hgma_compensation.cli import options
-from hgma_compensation.cli.terminal import check_new, new_table, show_table, write_json
+from hgma_compensation.cli.json_figures import write_json
+from hgma_compensation.cli.outputs import check_new
+from hgma_compensation.cli.tables import new_table, show_table
 from hgma_compensation.coverage.effect_names import parse_effects
 from hgma_compensation.effects.registry import kinds
 from hgma_compensation.files import write_atomically

@@ -5,8 +5,9 @@ from pathlib import Path
 import click
 
 from hgma_compensation.cli import options
+from hgma_compensation.cli.json_figures import write_json
+from hgma_compensation.cli.progress_bars import counting_bar
 from hgma_compensation.cli.ros_node import ros_node, ros_required
-from hgma_compensation.cli.terminal import counting_bar, write_json
 from hgma_compensation.quantities import count
 from hgma_compensation.recording.bag_reader import open_bag
 from hgma_compensation.topics import TopicNames

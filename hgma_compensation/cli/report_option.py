@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from hgma_compensation.cli.options import PathArgument
-from hgma_compensation.cli.terminal import check_folder
+from hgma_compensation.cli.outputs import check_folder
 from hgma_compensation.errors import RefusedError
 
 SUFFIXES = (".html", ".htm")

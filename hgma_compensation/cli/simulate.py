@@ -5,7 +5,9 @@ from pathlib import Path
 import click
 
 from hgma_compensation.cli import options, paths
-from hgma_compensation.cli.terminal import check_new, counting_bar, progress_bar, write_json
+from hgma_compensation.cli.json_figures import write_json
+from hgma_compensation.cli.outputs import check_new
+from hgma_compensation.cli.progress_bars import counting_bar, progress_bar
 from hgma_compensation.quantities import count, duration
 from hgma_compensation.recording.bag_writer import Storage, write_recording
 from hgma_compensation.simulation.oven_test import simulate_with_truth

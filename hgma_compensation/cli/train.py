@@ -10,9 +10,12 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.document import write_calibration
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
+from hgma_compensation.cli.json_figures import write_json
+from hgma_compensation.cli.outputs import check_folder
+from hgma_compensation.cli.progress_bars import counting_bar, progress_bar
 from hgma_compensation.cli.recording_topics import declared_messages
 from hgma_compensation.cli.report_option import report_option
-from hgma_compensation.cli.terminal import check_folder, counting_bar, new_table, progress_bar, show_table, write_json
+from hgma_compensation.cli.tables import new_table, show_table
 from hgma_compensation.cli.training_options import settings_of, training_options
 from hgma_compensation.cli.training_page import report_training
 from hgma_compensation.quantities import duration, quantity

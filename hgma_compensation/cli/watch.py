@@ -13,8 +13,9 @@ from rich.text import Text
 
 from hgma_compensation.channels import unit_of
 from hgma_compensation.cli import options
+from hgma_compensation.cli.json_figures import write_json
 from hgma_compensation.cli.ros_node import ros_node, ros_required
-from hgma_compensation.cli.terminal import console, new_table, write_json
+from hgma_compensation.cli.tables import console, new_table
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.quantities import UNKNOWN, number, shown_unit
 from hgma_compensation.topics import TopicNames

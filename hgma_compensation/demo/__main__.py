@@ -14,7 +14,7 @@ from hgma_compensation import topics
 from hgma_compensation.calibration.document import read_calibration
 from hgma_compensation.channels import AXES, columns_of
 from hgma_compensation.cli.evaluate import table
-from hgma_compensation.cli.terminal import console
+from hgma_compensation.cli.tables import console
 from hgma_compensation.demo.live_run import run_live
 from hgma_compensation.demo.processes import run_hgma
 from hgma_compensation.errors import RefusedError
