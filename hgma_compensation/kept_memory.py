@@ -1,6 +1,7 @@
 """Free memory that stays with the process, or does not."""
 
 import ctypes
+import gc
 from contextlib import suppress
 
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
@@ -15,7 +16,11 @@ RETURNED = 1 << 18
 
 
 def keep_memory() -> None:
-    """Let the memory of a block serve the next one; glibc would give it back each time, and have it cleared anew."""
+    """Let the memory of a block serve the next one; glibc would give it back each time, and have it cleared anew.
+
+    What has been loaded until now is not looked through any more for objects that nothing refers to.
+    """
+    gc.freeze()
     _set(M_TRIM_THRESHOLD, KEPT)
     _set(M_MMAP_THRESHOLD, KEPT)
 

@@ -4,6 +4,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ class Line:
     first: Array
     change: Array
 
-    def part(self, cells: slice) -> "Line":
+    def part(self, cells: slice | list[int]) -> "Line":
         """Return the lines of some of the cells."""
         return Line(self.first[cells], self.change[cells])
 
@@ -31,6 +32,11 @@ class Line:
         """Return the lines through values (2m, k): those at all beginnings, then those at all ends."""
         first, last = np.split(ends, 2)
         return cls(first, last - first)
+
+    @classmethod
+    def joined(cls, lines: Sequence["Line"]) -> "Line":
+        """Return the lines of several lots of cells, one after the other."""
+        return cls(np.concatenate([line.first for line in lines]), np.concatenate([line.change for line in lines]))
 
 
 @dataclass(frozen=True)
@@ -58,10 +64,16 @@ class CellValues:
     unusable: NDArray[np.bool_]
     missing: NDArray[np.bool_]
 
-    def one(self, index: int) -> "CellValues":
-        """Return what holds in one of the cells, as that of a single one (m = 1)."""
-        only = slice(index, index + 1)
-        return CellValues(**{name: _part(getattr(self, name), only) for name in self.__dataclass_fields__})
+    def part(self, cells: slice | list[int]) -> "CellValues":
+        """Return what holds in some of the cells."""
+        return CellValues(**{name: _part(getattr(self, name), cells) for name in self.__dataclass_fields__})
+
+    @classmethod
+    def joined(cls, parts: Sequence["CellValues"]) -> "CellValues":
+        """Return what holds in several lots of cells of one calibration, one after the other."""
+        if len(parts) == 1:
+            return parts[0]
+        return cls(**{name: _joined([getattr(part, name) for part in parts]) for name in cls.__dataclass_fields__})
 
     @cached_property
     def ordinary(self) -> bool:
@@ -69,21 +81,29 @@ class CellValues:
         return not (self.status.any() or self.mixed.any())
 
 
-def _part(field: Any, cells: slice) -> Any:
+def _part(field: Any, cells: slice | list[int]) -> Any:
     if field is None:
         return None
     return field.part(cells) if isinstance(field, Line) else field[cells]
+
+
+def _joined(fields: list[Any]) -> Any:
+    if fields[0] is None:
+        return None
+    return Line.joined(fields) if isinstance(fields[0], Line) else np.concatenate(fields)
 
 
 @dataclass(frozen=True)
 class Cell:
     """One cell and its line in the form in which many samples are taken through it.
 
-    begin, until: ns. inverse: 1/ns. first, change: (c, 1). largest_drift: of any channel, without sign. status: at the
-    beginning. uniform: whether status and range are the same for all samples.
+    lot, index: the cells that it is one of, and which. begin, until: ns. inverse: 1/ns. first, change: (c, 1).
+    largest_drift: of any channel, without sign. status, inside: at the beginning. uniform: whether they are the same
+    for all samples.
     """
 
-    values: CellValues
+    lot: CellValues
+    index: int
     begin: int
     until: int
     inverse: float
@@ -91,16 +111,31 @@ class Cell:
     change: Array
     largest_drift: float
     status: int
+    inside: bool
     uniform: bool
 
     @classmethod
-    def of(cls, values: CellValues, until: int) -> "Cell":
-        """Return the cell (m = 1) that gives way to the next at a stamp, ns."""
-        first, change = values.drift.first.T, values.drift.change.T
+    def of(cls, lot: CellValues, index: int, until: int) -> "Cell":
+        """Return one of some cells, which gives way to the next at a stamp, ns."""
+        first, change = lot.drift.first[index, :, None], lot.drift.change[index, :, None]
         largest = float(np.maximum(np.abs(first), np.abs(first + change)).max())
-        begin, inverse = int(values.begin[0]), float(values.inverse[0])
-        status, uniform = int(values.status[0]), not values.mixed[0]
-        return cls(values, begin, until, inverse, first, change, largest, status, uniform)
+        begin, inverse = int(lot.begin[index]), float(lot.inverse[index])
+        status, inside, uniform = int(lot.status[index]), bool(lot.inside[index]), not lot.mixed[index]
+        return cls(lot, index, begin, until, inverse, first, change, largest, status, inside, uniform)
+
+    @cached_property
+    def values(self) -> CellValues:
+        """What holds in it (m = 1)."""
+        return self.lot.part(slice(self.index, self.index + 1))
+
+
+def values_of(cells: Sequence[Cell]) -> CellValues:
+    """Return what holds in each of some cells (m > 0,) of one calibration."""
+    parts = []
+    for _, some in groupby(cells, lambda cell: id(cell.lot)):
+        same = list(some)
+        parts.append(same[0].lot.part([cell.index for cell in same]))
+    return CellValues.joined(parts)
 
 
 class KnownCells:
@@ -127,6 +162,6 @@ class KnownCells:
             return None
         assert self._values is not None
         if index not in self._cells:
-            self._cells[index] = Cell.of(self._values.one(index), self._until[index])
+            self._cells[index] = Cell.of(self._values, index, self._until[index])
         self._last = self._cells[index]
         return self._last

@@ -17,8 +17,11 @@ STEP = 500_000_000
 """Longest cell, ns: the temperature moves by less than a tenth of a degree in it."""
 
 
-MOST = 64
-"""Cells that are evaluated before there is a sample in them."""
+MOST, FARTHEST = 64, 10 * STEP
+"""Cells that are evaluated before there is a sample in them, and how far ahead (ns) they end.
+
+A stream knows of few: its slow inputs are hardly ahead of it. A recording is read ahead by many.
+"""
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,7 @@ def cells_of(inputs: Inputs, stamps: Stamps) -> tuple[Cells, Places]:
 
 def cells_from(inputs: Inputs, stamp: int, until: int) -> Cells:
     """Return the cell of a stamp (ns) and those after it that end by ``until``, at most MOST of them."""
-    grid = np.arange(stamp // STEP, max(min(until, stamp + STEP), stamp) // STEP + 2) * STEP
+    grid = np.arange(stamp // STEP, max(min(until, stamp + FARTHEST), stamp) // STEP + 2) * STEP
     begin = _union(grid[:-1], inputs.changes(int(grid[0]), int(grid[-1])))
     first = int(begin.searchsorted(stamp, side="right")) - 1
     ended = int(begin.searchsorted(until, side="right")) - 1

@@ -32,7 +32,9 @@ class BlockEnd:
     @cached_property
     def result(self) -> LiveResult:
         """The result (n = 1)."""
-        return LiveResult(self.pipeline.calibration, self.pipeline.end_of_block(self.stamp, self.cell, self.left))
+        stamps = np.array([self.stamp], dtype=np.int64)
+        result = self.pipeline.ends_of_blocks(stamps, [self.cell], np.array([self.left]))
+        return LiveResult(self.pipeline.calibration, result)
 
     @property
     def ordinary(self) -> bool:

@@ -1,6 +1,7 @@
 """Raw acceleration and slow inputs in, compensated acceleration out: sample by sample or in bulk."""
 
 from collections import Counter
+from collections.abc import Sequence
 from copy import deepcopy
 from functools import partial
 from typing import Any
@@ -13,7 +14,7 @@ from hgma_compensation.channels import AXES, CHANNELS, columns_of
 from hgma_compensation.effects.effect import Need, no_memory
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.stage import Consistency
-from hgma_compensation.pipeline.cell_values import Cell, CellValues
+from hgma_compensation.pipeline.cell_values import Cell, CellValues, values_of
 from hgma_compensation.pipeline.cells import ALONE, Places
 from hgma_compensation.pipeline.compensated import Compensated, joined, zeros
 from hgma_compensation.pipeline.filters import Filters
@@ -114,11 +115,16 @@ class Pipeline:
         """Move on to the last (ns) of samples in ``uniform_cells``."""
         self._stretches.newest = last
 
-    def end_of_block(self, stamp: int, cell: Cell, left: list[float]) -> Compensated:
-        """Return what there is to say of the last sample of a block, at a stamp (ns), left (c,) without its drift."""
-        said = self._said(np.array([stamp], dtype=np.int64), cell.values, ALONE)
-        values = np.array([left])
-        return Compensated(values, values, said)
+    def ends_of_blocks(self, stamps: Stamps, cells: Sequence[Cell], left: NDArray[np.float64]) -> Compensated:
+        """Return what there is to say of the last samples of blocks.
+
+        stamps: (n,) ns. cells: those of the samples. left: (n, c), the samples without their drift.
+        """
+        if len(cells) == 1:
+            said = self._said(stamps, cells[0].values, ALONE)
+        else:
+            said = self._said(stamps, values_of(cells), Places(np.arange(len(cells)), None))
+        return Compensated(left, left, said)
 
     def _said(self, stamps: Stamps, cells: CellValues, places: Places) -> SlowSamples:
         calibration = self.calibration

@@ -18,12 +18,8 @@ from hgma_compensation.recording.bag_topics import BagTopics
 from hgma_compensation.recording.bag_writer import BagWriter, Storage, new_bag
 from hgma_compensation.recording.batch import Batch
 from hgma_compensation.recording.compensation import Made
-from hgma_compensation.recording.in_turn import InTurn
 from hgma_compensation.recording.offline_run import OfflineRun
 from hgma_compensation.recording.state_rows import StateRows
-
-MOST_WAITING = 1
-"""Windows that wait to be written: the memory of so many is held."""
 
 
 @dataclass
@@ -60,11 +56,10 @@ def write_compensated(
         with new_bag(path, storage) as bag:
             copies = [bag.copy_topic(connection) for connection in copied]
             writing = _Outputs(bag, calibration, state_rate, blocks=found.blocks)
-            with InTurn(MOST_WAITING) as turn:
-                for batch, made in run.outputs():
-                    turn.submit(writing.take, copies, batch, made)
-                    if progress is not None:
-                        progress(len(batch), reader.message_count)
+            for batch, made in run.outputs():
+                writing.take(copies, batch, made)
+                if progress is not None:
+                    progress(len(batch), reader.message_count)
             run.check()
     writing.figures.samples = run.samples
     return writing.figures
@@ -82,10 +77,7 @@ class _Outputs:
         self.figures = Copied()
 
     def take(self, copies: list[Connection], batch: Batch, made: list[Made]) -> None:
-        """Write messages as they are, and what the pipeline made of those of the accelerometer among them.
-
-        In a thread of its own: nothing else writes to the bag meanwhile.
-        """
+        """Write messages as they are, and what the pipeline made of those of the accelerometer among them."""
         self._bag.write_batch(copies, batch)
         for part in made:
             self.figures.compensated += part.compensated

@@ -13,8 +13,11 @@ from hgma_compensation.recording.mcap_batches import is_plain, mcap_batches
 BATCH = 1 << 20
 """Bytes of messages in a batch, about: one chunk of an MCAP file."""
 
-MOST_MESSAGES = 1 << 14
-"""Messages in a batch that is put together of single ones."""
+FEWEST_MESSAGES, MOST_MESSAGES = 256, 1 << 14
+"""Messages in a batch that is put together of single ones; of blocks there are too few in BATCH bytes."""
+
+LARGEST = 4 * BATCH
+"""Bytes in a batch of fewer messages."""
 
 
 def batches(storage: Any, connections: list[Connection], *, packed: bool) -> Iterator[Batch]:
@@ -70,7 +73,8 @@ def _of_single(
         times.append(time)
         raws.append(data)
         size += len(data)
-        if size >= BATCH or len(raws) >= MOST_MESSAGES:
+        enough = size >= (BATCH if len(raws) >= FEWEST_MESSAGES else LARGEST)
+        if enough or len(raws) >= MOST_MESSAGES:
             yield Batch.of_messages(numbers, times, raws)
             numbers, times, raws, size = [], [], [], 0
     if raws:

@@ -14,7 +14,6 @@ import numpy as np
 from hgma_compensation.cdr.block import BlockLayout
 from hgma_compensation.cdr.header import read_stamp
 from hgma_compensation.channels import AXES
-from hgma_compensation.pipeline.compensated import joined
 from hgma_compensation.pipeline.live_result import BlockEnd
 from hgma_compensation.pipeline.ordinary_block import OrdinaryBlocks, offsets_of
 from hgma_compensation.pipeline.pipeline import Pipeline
@@ -66,7 +65,10 @@ class WholeBlocks:
         if rows:
             stamps = b"".join(self.messages[row][STAMP_AT : STAMP_AT + STAMP_SIZE] for row in rows)
             heads = np.frombuffer(stamps, dtype=np.uint8).reshape(len(rows), STAMP_SIZE)
-            result = joined([self.last[row].result.compensated for row in rows])
+            last = [self.last[row] for row in rows]
+            result = last[0].pipeline.ends_of_blocks(
+                self.ends().stamps[chosen], [end.cell for end in last], np.array([end.left for end in last])
+            )
             states = layout(self.layout.frame).rows(heads, result)
             yield of_rows(states, np.array([self.times[row] for row in rows], dtype=np.int64))
 
@@ -110,7 +112,7 @@ class WholeBlockReader:
         stamp, offsets = read_stamp(raw), offsets_of(layout.count, layout.sample_interval)
         last = stamp + offsets.last
         cells = self._pipeline.uniform_cells(stamp, last) if offsets.plain else None
-        if cells is None or len({bool(cell.values.inside[0]) for cell in cells}) > 1:
+        if cells is None or len({cell.inside for cell in cells}) > 1:
             return False
         message = bytearray(raw)
         # Of the copy, which lies where numbers should lie; a message may lie anywhere in its chunk.
@@ -124,5 +126,5 @@ class WholeBlockReader:
         made.times.append(time)
         made.messages.append(message)
         made.last.append(BlockEnd(self._pipeline, last, cells[-1], sums.last))
-        made.inside.append(bool(cells[-1].values.inside[0]))
+        made.inside.append(cells[-1].inside)
         return True
