@@ -1,6 +1,7 @@
 """Work that a thread does in the order in which it is given."""
 
 import threading
+from contextlib import closing
 
 import pytest
 
@@ -9,16 +10,17 @@ from hgma_compensation.recording.in_turn import InTurn
 
 def test_calls_are_made_in_their_order_by_another_thread():
     done = []
-    with InTurn(2) as turn:
+    with closing(InTurn(2)) as turn:
         for number in range(50):
             turn.submit(lambda number=number: done.append((number, threading.current_thread())))
+        turn.wait()
     assert [number for number, _ in done] == list(range(50))
     assert {thread for _, thread in done} != {threading.current_thread()}
 
 
 def test_no_more_calls_wait_than_are_allowed():
     release, started = threading.Event(), []
-    with InTurn(2) as turn:
+    with closing(InTurn(2)) as turn:
         for number in range(3):
             turn.submit(lambda number=number: (started.append(number), release.wait(5.0)))
         timer = threading.Timer(0.05, release.set)
@@ -35,7 +37,7 @@ def test_what_a_call_raises_is_raised_later_and_what_waits_is_given_up():
         raise ValueError("no")
 
     def give_three():
-        with InTurn(1) as turn:
+        with closing(InTurn(1)) as turn:
             turn.submit(fail)
             turn.submit(done.append, 1)
             release.set()
@@ -46,15 +48,10 @@ def test_what_a_call_raises_is_raised_later_and_what_waits_is_given_up():
     assert 2 not in done
 
 
-def test_an_error_of_the_caller_ends_the_thread_without_what_waits():
+def test_what_waits_is_given_up_when_the_thread_is_ended():
     release, done = threading.Event(), []
-
-    def give_up():
-        with InTurn(4) as turn:
-            turn.submit(release.wait, 0.2)
-            turn.submit(done.append, 1)
-            raise KeyError
-
-    with pytest.raises(KeyError):
-        give_up()
+    turn = InTurn(4)
+    turn.submit(release.wait, 0.2)
+    turn.submit(done.append, 1)
+    turn.close()
     assert done == []

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from types import TracebackType
 from typing import Any
 
 
 class InTurn:
-    """A thread with a queue of bounded length; a context, which is left when all is done or given up."""
+    """A thread with a queue of bounded length; to be closed."""
 
     def __init__(self, most: int) -> None:
         """Let so many calls wait: what they were given is held."""
@@ -31,17 +30,3 @@ class InTurn:
     def close(self) -> None:
         """End the thread after the call that it is at; what still waits is given up."""
         self._thread.shutdown(cancel_futures=True)
-
-    def __enter__(self) -> InTurn:
-        """Begin."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        """Wait for all where nothing was raised, and end the thread."""
-        try:
-            if kind is None:
-                self.wait()
-        finally:
-            self.close()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -26,6 +28,19 @@ LARGE = 2048
 """Bytes of a message from which on it is copied by itself: many at a time are copied twice."""
 
 
+MOST_CLOSED = 2
+"""Chunks that are compressed, by a thread, or wait to be while the next is filled."""
+
+
+@dataclass(frozen=True)
+class _Closed:
+    """A chunk that is being compressed, with the entries of its message indexes."""
+
+    chunk: mcap.PendingChunk
+    entries: dict[int, list[NDArray[np.void]]]
+    packed: Future[bytes]
+
+
 class BulkMcapWriter(mcap.McapWriter):
     """Adds ``write_batch``; header, schemas, channels and summary are those of the library."""
 
@@ -33,6 +48,8 @@ class BulkMcapWriter(mcap.McapWriter):
         """Create the file."""
         super().__init__(path, compression)
         self._entries: dict[int, list[NDArray[np.void]]] = defaultdict(list)
+        self._packer = ThreadPoolExecutor(1)
+        self._closed: deque[_Closed] = deque()
 
     def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
         """Write a message at a log time in ns."""
@@ -82,13 +99,26 @@ class BulkMcapWriter(mcap.McapWriter):
             self.chunk.bio.write(batch.raw(row))
 
     def close_chunk(self) -> None:
-        """Write the pending chunk and its message indexes."""
-        data, compression = self.chunk.bio.getbuffer(), self.compression
-        span = self.chunk.message_start_time, self.chunk.message_end_time
+        """Have the pending chunk compressed, and write the one that was closed some chunks before."""
         compressor: Callable[[Any], bytes] = self.compressor
-        packed = compressor(data)
+        packed = self._packer.submit(compressor, self.chunk.bio.getbuffer())
+        self._closed.append(_Closed(self.chunk, self._entries, packed))
+        self.chunk = mcap.PendingChunk(2**63 - 1, 0, BytesIO(), defaultdict(list))
+        self._entries = defaultdict(list)
+        self._write_closed(MOST_CLOSED)
+
+    def _write_closed(self, left: int) -> None:
+        """Write closed chunks in their order until so many are left."""
+        while len(self._closed) > left:
+            closed = self._closed.popleft()
+            self._write_chunk(closed.chunk, closed.entries, closed.packed.result())
+
+    def _write_chunk(self, chunk: mcap.PendingChunk, entries: dict[int, list[NDArray[np.void]]], packed: bytes) -> None:
+        """Write a chunk and its message indexes."""
+        size, compression = chunk.bio.tell(), self.compression
+        span = chunk.message_start_time, chunk.message_end_time
         start = self.bio.tell()
-        record = _numbers(*span, len(data))
+        record = _numbers(*span, size)
         mcap.write_uint32(record, 0)  # no checksum, as the library
         mcap.write_string(record, compression)
         mcap.write_uint64(record, len(packed))
@@ -97,7 +127,7 @@ class BulkMcapWriter(mcap.McapWriter):
         self.bio.write(record.getbuffer())
         self.bio.write(packed)
         end = self.bio.tell()
-        offsets = {channel: self._write_index(channel, entries) for channel, entries in self._entries.items()}
+        offsets = {channel: self._write_index(channel, some) for channel, some in entries.items()}
         record = _numbers(*span, start, end - start)
         mcap.write_uint32(record, len(offsets) * 10)
         for channel, offset in offsets.items():
@@ -106,10 +136,21 @@ class BulkMcapWriter(mcap.McapWriter):
         mcap.write_uint64(record, self.bio.tell() - end)
         mcap.write_string(record, compression)
         mcap.write_uint64(record, len(packed))
-        mcap.write_uint64(record, len(data))
+        mcap.write_uint64(record, size)
         self.chunks.append(record)
-        self.chunk = mcap.PendingChunk(2**63 - 1, 0, BytesIO(), defaultdict(list))
-        self._entries = defaultdict(list)
+
+    def close(self, version: int, metadata: str) -> None:
+        """Write what is left, and the summary."""
+        if self.chunk.bio.tell():
+            self.close_chunk()
+        self._write_closed(0)
+        self._packer.shutdown()
+        super().close(version, metadata)
+
+    def abort(self) -> None:
+        """Close without writing what is left."""
+        self._packer.shutdown(cancel_futures=True)
+        super().abort()
 
     def _write_index(self, channel: int, entries: list[NDArray[np.void]]) -> int:
         """Write the message index of a channel and return its place."""
