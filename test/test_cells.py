@@ -140,5 +140,5 @@ def test_a_slow_effect_does_not_answer_to_the_acceleration(channel, effect):
     pipeline = pipeline_on(RECORDING, calibration)
     assert not pipeline.stage.has_fast
     assert effect.acceleration_memory() is None
-    drift = pipeline.compensate(RECORDING.stamps, pipeline.columns_of(RECORDING.values), RECORDING.values).drift
+    drift = pipeline.compensate(RECORDING.stamps, pipeline.columns.of(RECORDING.values), RECORDING.values).drift
     assert np.isfinite(drift).all()

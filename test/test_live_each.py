@@ -152,7 +152,7 @@ def test_what_is_said_of_some_samples_is_what_is_said_of_all(stream, calibration
     pipeline = Pipeline(calibration)
     feed(pipeline, RECORDING)
     good = usable_samples(stamps, values)
-    whole = pipeline.compensate(stamps[good], pipeline.columns_of(values[good]), values[good])
+    whole = pipeline.compensate(stamps[good], pipeline.columns.of(values[good]), values[good])
     chosen = np.array(rows, dtype=np.int64) % good.sum()
     some = whole.take(chosen)
     for name in Compensated.FIELDS:

@@ -73,7 +73,7 @@ class LiveSamples(ABC):
         if self._pipeline is None:
             self._skip(Skip.NO_CALIBRATION, len(stamps))
             return None
-        reason = reason_to_skip(stamps, values[:, self._pipeline.columns_read])
+        reason = reason_to_skip(stamps, values[:, self._pipeline.columns.read])
         if reason is not None:
             self._skip(reason, len(stamps))
             return None
@@ -98,7 +98,7 @@ class LiveSamples(ABC):
         if self._pipeline is None:
             self._skip(Skip.NO_CALIBRATION, len(stamps))
             return None
-        rows = self._usable_rows(stamps, values[:, self._pipeline.columns_read])
+        rows = self._usable_rows(stamps, values[:, self._pipeline.columns.read])
         if not len(rows):
             return None
         if len(rows) < len(stamps):
@@ -138,7 +138,8 @@ class LiveSamples(ABC):
         which every bit, count and later result is the same as after this. Axes that are not calibrated are not written.
         """
         pipeline, observer = self._pipeline, self.observer
-        if pipeline is None or observer is None or pipeline.axes is None or not offsets.plain:
+        calibrated = None if pipeline is None else pipeline.columns.axes
+        if pipeline is None or observer is None or calibrated is None or not offsets.plain:
             return False
         last = stamp + offsets.last
         cells = pipeline.uniform_cells(stamp, last)
@@ -146,7 +147,7 @@ class LiveSamples(ABC):
             return False
         if not observer.has_nothing_to_say(stamp, last):
             return False
-        sums = self._blocks.take(stamp, offsets, axes[pipeline.axes], cells, out[pipeline.axes])
+        sums = self._blocks.take(stamp, offsets, axes[calibrated], cells, out[calibrated])
         if sums is None:
             return False
         pipeline.go_on_through(last)
@@ -195,7 +196,7 @@ class LiveSamples(ABC):
         ordered = increases(stamps)
         for note, count in out_of_step(stamps, pipeline.newest, ordered=ordered).items():
             self.counts[note.value] += count
-        result = pipeline.compensate(stamps, pipeline.columns_of(values), values, ordered=ordered)
+        result = pipeline.compensate(stamps, pipeline.columns.of(values), values, ordered=ordered)
         observer.observe(stamps, result)
         if len(stamps) == 1:
             self._draw_line(pipeline, observer)

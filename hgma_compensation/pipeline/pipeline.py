@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.channels import AXES, CHANNELS, columns_of
+from hgma_compensation.channels import CHANNELS
 from hgma_compensation.effects.effect import Need, no_memory
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.stage import Consistency
 from hgma_compensation.pipeline.cell_values import Cell, CellValues, values_of
 from hgma_compensation.pipeline.cells import ALONE, Places
+from hgma_compensation.pipeline.columns import Columns
 from hgma_compensation.pipeline.compensated import Compensated, joined, zeros
 from hgma_compensation.pipeline.filters import Filters
 from hgma_compensation.pipeline.inputs import ACCELERATION_LAG, Inputs
@@ -34,18 +35,11 @@ CHUNK = 65536
 """Samples evaluated at once: bounds the memory of the hidden layer."""
 
 
-def _axes(columns: list[int]) -> slice | None:
-    """Return columns of CHANNELS as a slice of AXES, None where they are none."""
-    step = columns[1] - columns[0] if len(columns) > 1 else 1
-    inside = slice(columns[0], columns[-1] + 1, step) if step > 0 and columns[-1] < len(AXES) else slice(0)
-    return inside if list(range(len(AXES)))[inside] == columns else None
-
-
 class Pipeline:
     """State of one sensor's compensation under one calibration.
 
     Samples of accelerometer, thermometers and supply voltage may be given in any interleaving; results are decided by
-    stamps. columns_read: of CHANNELS, those that must be finite. stage: the effects, with their state. Not thread-safe.
+    stamps. columns: of CHANNELS. stage: the effects, with their state. Not thread-safe.
     """
 
     def __init__(self, calibration: Calibration, *, live: bool = False, lag: float | None = None) -> None:
@@ -65,8 +59,7 @@ class Pipeline:
         self._stretches = Stretches()
         self._before_gap: tuple[Filters, list[Any]] = (self._filters, self.stage.snapshot())
         self.cuts: Counter[Cut] = Counter()
-        self._columns, self.columns_read = columns_of(calibration.names), columns_of(calibration.channels_read)
-        self._axes = _axes(self._columns) if set(self._columns) == set(self.columns_read) else None
+        self.columns = Columns(calibration)
 
     @property
     def inputs(self) -> Inputs:
@@ -92,7 +85,7 @@ class Pipeline:
         if self._filters.used or self.stage.has_fast or not self._time_lines.single:
             return None
         cell = None if self.newest is None else self._slow.last_cell(self.inputs, self.newest)
-        return None if cell is None else OrdinaryLine.of(self.inputs, cell.values, cell.until, self._columns)
+        return None if cell is None else OrdinaryLine.of(self.inputs, cell.values, cell.until, self.columns.calibrated)
 
     def go_on_to(self, line: OrdinaryLine, stamp: int) -> bool:
         """Move on to a stamp (ns) if a sample there is on the line and only goes on; return whether it does."""
@@ -130,24 +123,9 @@ class Pipeline:
         calibration = self.calibration
         return SlowSamples(stamps, cells, places, calibration.features, calibration.calibrated_range, self._uncertainty)
 
-    @property
-    def axes(self) -> slice | None:
-        """Which of CHANNELS are calibrated, and nothing else is read, if these are axes of the acceleration in order.
-
-        None where that cannot be said by a slice.
-        """
-        return self._axes
-
     def only_go_on(self, stamps: Stamps) -> bool:
         """Return whether increasing stamps (n > 0,) in ns follow on those before without a gap."""
         return self._stretches.only_go_on(int(stamps[0]), int(stamps[-1]))
-
-    def columns_of(self, imu: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the calibrated channels (n, c) out of columns CHANNELS (n, 6), a view where they lie side by side."""
-        first, last = self._columns[0], self._columns[-1]
-        if self._columns == list(range(first, last + 1)):
-            return imu[:, first : last + 1]
-        return imu[:, self._columns]
 
     def reset(self) -> None:
         """Forget all inputs, memories and filter states; the calibration stays."""
@@ -178,7 +156,7 @@ class Pipeline:
         features = read_features(self.track, self.calibration.features, stamps).values
         clamped = box.clamp(np.where(np.isnan(features), box.middle, features))
         level = np.zeros(len(CHANNELS))
-        level[self._columns] = [c.drift.evaluate(clamped)[0] + c.reference for c in self.calibration.channels]
+        level[self.columns.calibrated] = [c.drift.evaluate(clamped)[0] + c.reference for c in self.calibration.channels]
         return level
 
     def forget_acceleration(self) -> None:
@@ -229,7 +207,7 @@ class Pipeline:
         if imu is None and (missing := self.stage.other_channels):
             raise ValueError(f"effects of the calibration need imu: they read {', '.join(missing)}")
         if not len(stamps):
-            return zeros(0, len(self._columns))
+            return zeros(0, len(self.columns))
         ordered = increases(stamps) if ordered is None else ordered
         if ordered and len(stamps) <= CHUNK and self._stretches.go_on(stamps):
             self._time_lines.follow(int(stamps[0]))
@@ -257,12 +235,6 @@ class Pipeline:
         if cut not in (Cut.NONE, Cut.GAP):
             self.cuts[cut] += 1
 
-    def _widened(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return values (n, c) as columns of CHANNELS (n, 6), the others 0."""
-        wide = np.zeros((len(CHANNELS), len(values))).T
-        wide[:, self._columns] = values
-        return wide
-
     def _compensate(
         self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None, ordered: bool
     ) -> Compensated:
@@ -279,8 +251,8 @@ class Pipeline:
         self, stamps: Stamps, values: NDArray[np.float64], imu: NDArray[np.float64] | None, slow: SlowSamples
     ) -> NDArray[np.float64]:
         """Return the drift (n, c) of the slow inputs, and of the effects that each sample must be looked at for."""
-        acceleration = self._widened(values) if imu is None else imu.copy(order="K")
-        acceleration[:, self._columns] = values - slow.model
+        acceleration = self.columns.widened(values) if imu is None else imu.copy(order="K")
+        acceleration[:, self.columns.calibrated] = values - slow.model
         at = self.inputs.conditions(stamps, slow.clamped, slow.unknown, acceleration)
         memory = self.inputs.memory(stamps, slow.unknown) if self.stage.fast_need_memory else no_memory(len(stamps))
         effects = slow.effects

@@ -12,7 +12,7 @@ from rosbags.interfaces import Connection
 
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.calibration.effect_encoding import LARGEST_ACCELERATION
-from hgma_compensation.channels import AXES, CHANNELS, columns_of, group_of
+from hgma_compensation.channels import AXES, CHANNELS, group_of
 from hgma_compensation.effects.effect import Need
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.screening import usable_samples
@@ -61,7 +61,6 @@ class OfflineRun:
         self._slow = [(slow, self._among([numbers[c.id] for c in own])) for slow, own in found.slow if own]
         self._pipeline = Pipeline(calibration, lag=LAG)
         self._whole = WholeBlockReader(self._pipeline)
-        self._columns, self._columns_read = columns_of(calibration.names), columns_of(calibration.channels_read)
         self.samples = 0
         self._decoders = [decoder(bag, path, connection) for connection in connections]
         self._has: set[str] = set()
@@ -189,11 +188,11 @@ class OfflineRun:
         self._carried |= messages.carried
         for column in np.flatnonzero(~self._not_zero).tolist():
             self._not_zero[column] = bool(values[:, column].any())
-        usable, samples = _usable(messages, inside, _screened(messages.stamps, values[:, self._columns_read]))
+        usable, samples = _usable(messages, inside, _screened(messages.stamps, values[:, self._pipeline.columns.read]))
         stamps = messages.stamps
         if len(samples) < len(values):
             stamps, values = stamps[samples], values[samples]
-        result = self._pipeline.compensate(stamps, values[:, self._columns], values)
+        result = self._pipeline.compensate(stamps, self._pipeline.columns.of(values), values)
         return Compensation(messages, own.times, usable, samples, result)
 
 

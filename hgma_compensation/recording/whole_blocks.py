@@ -96,11 +96,12 @@ class WholeBlockReader:
 
     def take(self, batch: Batch) -> WholeBlocks | None:
         """Return the blocks from the first of a batch to the last that can be taken as a whole, None for none."""
-        if self._layout is None or self._pipeline.axes is None:
+        calibrated = self._pipeline.columns.axes
+        if self._layout is None or calibrated is None:
             return None
         made = WholeBlocks(self._layout)
         for row, time in enumerate(batch.times.tolist()):
-            if not self._take(batch.raw(row), time, self._pipeline.axes, made):
+            if not self._take(batch.raw(row), time, calibrated, made):
                 break
         return made if made.messages else None
 

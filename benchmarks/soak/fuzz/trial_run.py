@@ -37,7 +37,7 @@ def problem_of(calibration: Calibration, chance: random.Random) -> str | None:
     values = random_numbers.uniform(-LARGEST, LARGEST, (SAMPLES, 6))
     values[::3] = random_numbers.choice([-LARGEST, LARGEST], (len(values[::3]), 6))
     values[SAMPLES // 2 :: 5] = 9.81
-    columns = pipeline.columns_read[: len(calibration.names)]
+    columns = pipeline.columns.read[: len(calibration.names)]
     result = pipeline.compensate(stamps, values[:, columns], values)
     for name in ("values", "drift", "innovation"):
         if not np.isfinite(getattr(result, name)).all():
