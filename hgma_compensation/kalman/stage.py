@@ -12,8 +12,6 @@ from hgma_compensation.kalman.intervals import Intervals, Steps
 from hgma_compensation.kalman.settings import FilterSettings
 from hgma_compensation.stamps import Stamps
 
-__all__ = ["Consistency", "KalmanStage"]
-
 Array = NDArray[np.float64]
 
 FEWEST = 32

@@ -1,11 +1,18 @@
 """The Kalman stages of a calibration's channels."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from hgma_compensation.calibration.calibration import Calibration
-from hgma_compensation.kalman.stage import Consistency, KalmanStage
+from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration
+from hgma_compensation.kalman.consistency import Consistency
 from hgma_compensation.stamps import Stamps
+
+if TYPE_CHECKING:
+    from hgma_compensation.kalman.stage import KalmanStage
 
 Array = NDArray[np.float64]
 
@@ -15,10 +22,7 @@ class Filters:
 
     def __init__(self, calibration: Calibration) -> None:
         """Start before the first sample."""
-        self._stages = [
-            None if channel.filter.noise is None else KalmanStage(channel.filter, channel.reference)
-            for channel in calibration.channels
-        ]
+        self._stages = [_stage(channel) for channel in calibration.channels]
         self.used = any(stage is not None for stage in self._stages)
 
     @property
@@ -47,3 +51,12 @@ class Filters:
             if stage is not None:
                 corrected[:, column], innovation[:, column] = stage.run(stamps, corrected[:, column])
         return corrected, innovation
+
+
+def _stage(channel: ChannelCalibration) -> KalmanStage | None:
+    if channel.filter.noise is None:
+        return None
+    # Ten modules, for which a calibration without filter does not wait.
+    from hgma_compensation.kalman.stage import KalmanStage
+
+    return KalmanStage(channel.filter, channel.reference)

@@ -3,7 +3,7 @@
 from collections import deque
 
 from hgma_compensation.channels import unit_of
-from hgma_compensation.kalman.stage import Consistency
+from hgma_compensation.kalman.consistency import Consistency
 from hgma_compensation.pipeline.pipeline import Pipeline
 from hgma_compensation.pipeline.rest_monitor import Residual, RestMonitor
 

@@ -13,7 +13,7 @@ from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.channels import CHANNELS
 from hgma_compensation.effects.effect import Need, no_memory
 from hgma_compensation.errors import RefusedError
-from hgma_compensation.kalman.stage import Consistency
+from hgma_compensation.kalman.consistency import Consistency
 from hgma_compensation.pipeline.cell_values import Cell, CellValues, values_of
 from hgma_compensation.pipeline.cells import ALONE, Places
 from hgma_compensation.pipeline.columns import Columns
