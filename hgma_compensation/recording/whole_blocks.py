@@ -21,9 +21,6 @@ from hgma_compensation.recording.accelerations import STAMP_AT, STAMP_SIZE, Bloc
 from hgma_compensation.recording.batch import Batch, Indices
 from hgma_compensation.recording.compensation import Ends, Layout
 
-FEWEST = 256
-"""Samples of a block from which on it is taken as a whole; below, many blocks at once cost less."""
-
 
 @dataclass
 class WholeBlocks:
@@ -87,9 +84,9 @@ class WholeBlockReader:
         self.not_zero = np.zeros(len(AXES), dtype=np.bool_)
 
     def learn(self, messages: BlockMessages) -> None:
-        """Take blocks laid out like the last of some that were looked at sample by sample, if they are long."""
+        """Take blocks laid out like the last of some that were looked at sample by sample."""
         view = messages.last_view
-        if view is None or len(view.x) < FEWEST:
+        if view is None:
             self._layout = None
         elif self._layout is None or not self._layout.holds(bytes(view.raw)):
             self._layout = BlockLayout(view)
