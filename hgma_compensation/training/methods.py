@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from enum import Enum
+from math import inf
 
 from hgma_compensation.drift.inputs import Array
 from hgma_compensation.drift.model import DriftModel
@@ -95,14 +96,18 @@ def choose_network(
     rest = len(settings.widths) - 1
     unbent = replace(settings, widths=(settings.widths[0], *(STRAIGHT,) * rest))
 
-    def search(number: int, own: GeneticSettings, criterion: Criterion, best: float | None) -> GeneticResult:
+    def hear(number: int, generation: int, left_out: float) -> None:
+        if progress is not None:
+            progress((number * settings.generations + generation + SEARCHES - 1) // SEARCHES, left_out)
+
+    def search(number: int, own: GeneticSettings, criterion: Criterion, best: float) -> GeneticResult:
         """Make the search of that number; best: error on left-out folds of those before it."""
 
         def report(generation: int, fitness: float) -> None:
-            left_out = fitness if criterion is Criterion.LEFT_OUT else best
-            heard = [error for error in (left_out, best) if error is not None]
-            if progress is not None:
-                progress((number * settings.generations + generation + SEARCHES - 1) // SEARCHES, min(heard))
+            if criterion is Criterion.LEFT_OUT:
+                hear(number, generation, min(fitness, best))
+            elif generation < settings.generations:  # the last is heard of when its error on the folds is known
+                hear(number, generation, best)
 
         return search_network(
             features,
@@ -115,14 +120,16 @@ def choose_network(
             progress=report,
         )
 
-    straight = search(0, unbent, Criterion.LEFT_OUT, None)
+    straight = search(0, unbent, Criterion.LEFT_OUT, inf)
     if straight.fitness <= stop_at:
         return straight
     bent = search(1, settings, Criterion.LEFT_OUT, straight.fitness)
     if _proven(bent, straight):
         return bent
     smooth = replace(unbent, ridge=(PLAIN_PENALTY, settings.ridge[1]))
-    likeliest = search(2, smooth, Criterion.LIKELIHOOD, min(straight.fitness, bent.fitness))
+    best = min(straight.fitness, bent.fitness)
+    likeliest = search(2, smooth, Criterion.LIKELIHOOD, best)
+    hear(2, settings.generations, min(best, likeliest.fitness))
     return straight if _proven(straight, likeliest) else likeliest
 
 
