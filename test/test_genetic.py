@@ -2,10 +2,13 @@ import numpy as np
 import pytest
 from builders import MEAN_TEMPERATURE, triangle, true_drift
 
+from hgma_compensation.drift.radial_basis import basis
 from hgma_compensation.training import genetic
 from hgma_compensation.training.blocks import Blocks
+from hgma_compensation.training.comparison import ridge_penalty
 from hgma_compensation.training.folds import cycle_folds
-from hgma_compensation.training.genetic import GeneticSettings, search_network
+from hgma_compensation.training.genetic import Criterion, GeneticSettings, search_network
+from hgma_compensation.training.ridge import cross_validated_rms
 
 SEED, NOISE = 20190725, 0.3
 QUICK = GeneticSettings(centres=4, population=20, generations=12)
@@ -29,8 +32,17 @@ FEATURES, DRIFT, TARGET = cycles([1200.0, 2000.0, 3000.0])
 FOLDS = folds_of(FEATURES)
 
 
-def search(seed=SEED, stop_at=0.0, settings=QUICK, target=TARGET, progress=None):
-    return search_network(FEATURES, target, FOLDS, seed=seed, stop_at=stop_at, settings=settings, progress=progress)
+def search(seed=SEED, stop_at=0.0, settings=QUICK, target=TARGET, progress=None, criterion=Criterion.LEFT_OUT):
+    return search_network(
+        FEATURES,
+        target,
+        FOLDS,
+        seed=seed,
+        stop_at=stop_at,
+        settings=settings,
+        criterion=criterion,
+        progress=progress,
+    )
 
 
 def bits(drift):
@@ -43,11 +55,22 @@ def test_same_seed_gives_the_same_network_bit_for_bit_and_another_seed_another()
     assert bits(search(seed=SEED + 1).drift) != bits(first.drift)
 
 
+@pytest.mark.parametrize("criterion", Criterion)
 @pytest.mark.parametrize("piece", [1, 7, 1000])
-def test_result_does_not_depend_on_how_many_candidates_are_evaluated_at_once(monkeypatch, piece):
-    first = search()
+def test_result_does_not_depend_on_how_many_candidates_are_evaluated_at_once(monkeypatch, piece, criterion):
+    first = search(criterion=criterion)
     monkeypatch.setattr(genetic, "PIECE", piece)
-    assert bits(search().drift) == bits(first.drift)
+    assert bits(search(criterion=criterion).drift) == bits(first.drift)
+
+
+def test_fitness_of_a_search_by_likelihood_is_the_error_on_left_out_folds():
+    heard = []
+    found = search(criterion=Criterion.LIKELIHOOD, progress=lambda _, fitness: heard.append(fitness))
+    drift, columns = found.drift, basis(found.drift.scaling.apply(FEATURES), found.drift.centres, found.drift.widths)
+    expected = cross_validated_rms(columns[None], TARGET, ridge_penalty(drift, FEATURES, TARGET)[None], FOLDS.index)
+    assert found.fitness == pytest.approx(expected[0], rel=1e-3)
+    assert found.fitness != heard[-1]
+    assert np.all(np.diff(heard) <= 0.0)
 
 
 def test_search_hears_no_global_random_numbers():

@@ -16,7 +16,7 @@ from hgma_compensation.report.training_report import training_page
 from hgma_compensation.report.training_result import training_result
 from hgma_compensation.training.comparison import ridge_penalty
 from hgma_compensation.training.genetic import PLAIN_PENALTY
-from hgma_compensation.training.methods import Method
+from hgma_compensation.training.methods import SEARCHES, Method
 from hgma_compensation.training.polynomial_fit import polynomial_fitness
 from hgma_compensation.training.ridge import solve_ridge
 from hgma_compensation.training.train import train
@@ -84,7 +84,7 @@ def test_the_search_is_heard_as_it_went():
     recordings, calibration, search = trained()
     for channel in calibration.channels:
         errors = search.errors(channel.name)
-        assert 1 < len(errors) <= 2 * QUICK.genetic.generations
+        assert 1 < len(errors) <= SEARCHES * QUICK.genetic.generations
         assert np.all(np.diff(errors) <= 0.0)
         assert errors[-1] <= channel.error.cross_validated * (1.0 + 1e-9)
         assert search.seconds(channel.name) > 0.0

@@ -1,14 +1,15 @@
 """Genetic search of the network's centres and widths: the five steps of Zhu et al. 2019, section 3.2.
 
 1 population: random centres inside the data, widths and ridge penalty log-uniform in their ranges.
-2 fitness: RMS error on temperature cycles left out of the fit; the weights are not searched but solved
-  by ridge least squares for each candidate (variable projection, Golub and Pereyra 1973).
+2 fitness: RMS error on temperature cycles left out of the fit, or the marginal likelihood of all of them; the weights
+  are not searched but solved by ridge least squares for each candidate (variable projection, Golub and Pereyra 1973).
 3 selection, 4 crossover, 5 mutation: binary tournament, simulated binary crossover and polynomial
   mutation (Deb and Agrawal 1995), as pymoo implements them. Stop at fitness < δ or the last generation.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 from pymoo.algorithms.soo.nonconvex.ga import GA
@@ -21,6 +22,7 @@ from pymoo.termination.max_gen import MaximumGenerationTermination
 from hgma_compensation.drift.inputs import Array, InputScaling
 from hgma_compensation.drift.radial_basis import RadialBasisDrift, basis
 from hgma_compensation.training.folds import Folds
+from hgma_compensation.training.likelihood import marginal_error
 from hgma_compensation.training.ridge import LeftOutFolds, solve_ridge
 
 Progress = Callable[[int, float], None]
@@ -31,6 +33,18 @@ PLAIN_PENALTY = 1e-9
 
 PIECE = 10
 """Candidates evaluated at once: their columns stay in a core's cache, and no call is so short that calling counts."""
+
+
+class Criterion(Enum):
+    """What a candidate is judged by.
+
+    LEFT_OUT: its error on left-out folds, which supposes nothing of the noise. LIKELIHOOD: ``marginal_error`` of all
+    samples, which tells candidates apart much more finely where what is left of them is noise, and misleads where the
+    cycles differ by more than that.
+    """
+
+    LEFT_OUT = "left out"
+    LIKELIHOOD = "likelihood"
 
 
 @dataclass(frozen=True)
@@ -52,7 +66,7 @@ class GeneticSettings:
 
 @dataclass(frozen=True)
 class GeneticResult:
-    """The best network, its fitness in the unit of the target, and how many generations it took."""
+    """The best network, its RMS error on left-out folds in the unit of the target, and how many generations it took."""
 
     drift: RadialBasisDrift
     fitness: float
@@ -62,8 +76,10 @@ class GeneticResult:
 class _Candidates(Problem):
     """The population: genes are centres, log widths and log ridge penalty."""
 
-    def __init__(self, inputs: Array, target: Array, folds: Folds, settings: GeneticSettings) -> None:
-        self._folds, self._centres = LeftOutFolds.of(folds.index), settings.centres
+    def __init__(
+        self, inputs: Array, target: Array, folds: Folds, settings: GeneticSettings, criterion: Criterion
+    ) -> None:
+        self._folds, self._centres, self._criterion = LeftOutFolds.of(folds.index), settings.centres, criterion
         # Samples last in memory: the loops over them are the long ones.
         self._inputs, self._target = np.asfortranarray(inputs[self._folds.order]), target[self._folds.order]
         low, high = np.log(np.array(settings.widths)).T
@@ -90,6 +106,13 @@ class _Candidates(Problem):
 
     def _fitness(self, genes: Array) -> Array:
         """Return the fitness (p,) of genes (p, v); of each alone, whatever others it is asked with."""
+        if self._criterion is Criterion.LEFT_OUT:
+            return self.left_out(genes)
+        centres, widths, penalty = self.decode(genes)
+        return marginal_error(basis(self._inputs, centres, widths), self._target, penalty, self._centres)
+
+    def left_out(self, genes: Array) -> Array:
+        """Return the RMS error (p,) of genes (p, v) on left-out folds."""
         centres, widths, penalty = self.decode(genes)
         return self._folds.rms(basis(self._inputs, centres, widths), self._target, penalty)
 
@@ -123,16 +146,17 @@ def search_network(
     seed: int,
     stop_at: float,
     settings: GeneticSettings | None = None,
+    criterion: Criterion = Criterion.LEFT_OUT,
     progress: Progress | None = None,
 ) -> GeneticResult:
     """Search the network for one channel; the same seed gives the same network.
 
-    features: (n, d). target: (n,) drift. stop_at: δ, in the target's unit.
+    features: (n, d). target: (n,) drift. stop_at: δ of the criterion, in the target's unit.
     """
     settings = settings or GeneticSettings()
     scaling, unit = InputScaling.of(features), float(target.std()) or 1.0
     inputs, scaled = scaling.apply(features), target / unit
-    problem = _Candidates(inputs, scaled, folds, settings)
+    problem = _Candidates(inputs, scaled, folds, settings, criterion)
     stop = TerminateIfAny(MaximumGenerationTermination(settings.generations), _Reached(stop_at / unit))
     found = minimize(
         problem,
@@ -142,8 +166,10 @@ def search_network(
         callback=_Report(progress, unit),
         copy_termination=False,
     )
-    centres, widths, penalty = (part[0] for part in problem.decode(np.atleast_2d(found.X)))
+    genes = np.atleast_2d(found.X)
+    centres, widths, penalty = (part[0] for part in problem.decode(genes))
     weights = solve_ridge(basis(inputs, centres, widths), target, penalty)
     m = settings.centres
     drift = RadialBasisDrift(scaling, centres, widths, weights[:m], float(weights[m]), weights[m + 1 :])
-    return GeneticResult(drift, float(found.F[0]) * unit, int(found.algorithm.n_gen) - 1)
+    left_out = float(found.F[0]) if criterion is Criterion.LEFT_OUT else float(problem.left_out(genes)[0])
+    return GeneticResult(drift, left_out * unit, int(found.algorithm.n_gen) - 1)
