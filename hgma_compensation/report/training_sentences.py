@@ -58,8 +58,8 @@ def why(channel: TrainedChannel) -> list[str]:
     if channel.method is Method.RBF_GA:
         said += [_shape(channel), _end(channel)]
         said.append(
-            "The search chose by this very error, which is therefore a little too small: judge on a recording that was "
-            "not trained on."
+            "The choice among networks looked at this very error, which is therefore a little too small: judge on a "
+            "recording that was not trained on."
         )
     best = channel.best
     if best.cross_validated < BETTER * channel.chosen.cross_validated:
