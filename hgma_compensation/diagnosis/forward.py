@@ -206,7 +206,7 @@ class Forward:
         motion = own_motion(state, scored, slow, self.random.spawn(1)[0])
         if not motion.moves:
             return FOLLOWS
-        score = float(score_of(motion.gain, motion.rank, motion.left.dispersion))
+        score = float(score_of(motion.gain, motion.scored.rank, motion.left.dispersion))
         return STANDS_ALONE if p_value(score) > LARGEST_P else ""
 
     def _contribution(self, state: State, scored: Scored) -> float:
@@ -266,10 +266,11 @@ class Forward:
         return replace(own, effect=current.effect, contribution=self._contribution(others, current), runners_up=close)
 
     def _moves(self, state: State, scored: Scored) -> bool:
-        """Return whether what an effect answers to moves by itself, as far as that is asked of it."""
+        """Return whether an effect is there by what its input has of its own, as far as that is asked of it."""
         if not needs_own_motion(scored.effect):
             return True
-        return own_motion(state, scored, slow_directions(state), self.random.spawn(1)[0]).moves
+        motion = own_motion(state, scored, slow_directions(state), self.random.spawn(1)[0])
+        return motion.moves and motion.gain > CLOSE + motion.scored.rank * float(np.log(len(self.problem.values)))
 
     def _needed(self, state: State, found: Sequence[Found], index: int) -> bool:
         others = self._beside(state, [f for i, f in enumerate(found) if i != index])

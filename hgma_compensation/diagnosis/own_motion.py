@@ -3,10 +3,10 @@
 With the oven as the only source of heat, the difference of two thermometers is their different lag: a sum of the
 temperature's rate and of its low-passes (with one source every transfer function of first-order bodies falls into such
 partial fractions). It then says of the rate what the derivative of one noisy thermometer says less exactly, and stands
-in for whatever the drift model's terms in the rate miss by that noise. What it has of its own is therefore what is left
-beside the drift model *and* the effects that it is confused with, as far as that is more than the thermometers' noise.
-How much of it is noise is found as SIMEX does (Cook and Stefanski 1994): the same noise once more, all is formed again,
-and what is left grows by just that.
+in for whatever the drift model's terms in temperature and rate miss by that noise. What it has of its own is therefore
+what is left beside the drift model *and* the effects that it is confused with, as far as that is more than the noise of
+the smoothed thermometers. How much is noise is found as SIMEX does (Cook and Stefanski 1994): the same noise is added
+once more and all is formed again; what is left grows by just that, and what the drift model then misses brings as much.
 """
 
 from dataclasses import dataclass, replace
@@ -32,26 +32,32 @@ Array = NDArray[np.float64]
 REALISATIONS = 3
 """Of the thermometers' noise."""
 
-MOSTLY_MOTION = 0.9
-"""Share of what an input has of its own that must not be the thermometers' noise: a tenth is 3 : 1 in RMS."""
+MOSTLY_MOTION = 0.7
+"""Share of what an input has of its own that must not be noise: half and more can be the smoother's lag at corners."""
 
 
 @dataclass(frozen=True)
 class OwnMotion:
-    """What an input has of its own. share: of its energy, that is no noise. gain: of an effect of it alone, with rank.
+    """What an input has of its own. share: of its energy, that is no noise. scored: the effect by that alone.
 
-    left: the slow part of what is left beside it and all that it is confused with.
+    stolen: gain that the thermometers' noise alone would bring. left: the slow part of what is left beside the effect
+    and all that it is confused with.
     """
 
     share: float
-    gain: float
-    rank: int
+    scored: Scored
+    stolen: float
     left: Leftover
 
     @property
     def moves(self) -> bool:
         """Whether the input moves by itself."""
-        return self.rank > 0 and self.share >= MOSTLY_MOTION
+        return self.scored.rank > 0 and self.share >= MOSTLY_MOTION
+
+    @property
+    def gain(self) -> float:
+        """Gain of the effect beyond what the noise brings, which adds to it in amplitude."""
+        return float(max(np.sqrt(self.scored.gain) - np.sqrt(self.stolen), 0.0) ** 2)
 
 
 def needs_own_motion(effect: Effect) -> bool:
@@ -64,14 +70,17 @@ def own_motion(state: State, scored: Scored, slow: Array, random: np.random.Gene
 
     slow: (n, m) as ``slow_directions`` gives it.
     """
-    effect, problem = scored.effect, state.problem
-    alike = look_alikes(problem, effect)
-    beside = state.projection.added(alike)
+    effect = scored.effect
+    beside = state.projection.added(look_alikes(state.problem, effect))
     own = score(beside, [effect], [scored.columns])[0]
-    before = _energy(beside, scored.columns)
-    after = [_energy_again(state, effect, random) for _ in range(REALISATIONS)]
-    share = 2.0 - float(np.mean(after)) / before if before > 0.0 else 0.0
-    return OwnMotion(share, own.gain, own.rank, leftover(beside.added(scored.columns), slow))
+    energy = _energy(beside, scored.columns)
+    if not own.rank or not energy:
+        return OwnMotion(0.0, own, 0.0, leftover(beside, slow))
+    again = [_again(state, effect, random) for _ in range(REALISATIONS)]
+    grown = float(np.mean([one[0] for one in again])) / energy
+    # That is the gain of the noise once, in an input that has it twice.
+    stolen = grown * float(np.mean([one[1] for one in again]))
+    return OwnMotion(2.0 - grown, own, stolen, leftover(beside.added(scored.columns), slow))
 
 
 def look_alikes(problem: Problem, effect: Effect) -> Array:
@@ -87,12 +96,14 @@ def _energy(projection: Projection, columns: Array) -> float:
     return float(np.sum((white - projection.known @ (projection.known.T @ white)) ** 2))
 
 
-def _energy_again(state: State, effect: Effect, random: np.random.Generator) -> float:
-    """Return what an effect has of its own where the thermometers' noise has been added once more."""
+def _again(state: State, effect: Effect, random: np.random.Generator) -> tuple[float, float]:
+    """Return the energy that an effect has of its own under twice the noise, and the gain that the added one brings."""
     problem = noisier(state.problem, random)
-    known = np.hstack([problem.baseline, *state.columns])
-    projection = Projection.of(state.whitener, known, problem.values).added(look_alikes(problem, effect))
-    return _energy(projection, problem.columns([effect])[0])
+    before, known = (np.hstack([one.baseline, *state.columns]) for one in (state.problem, problem))
+    weights, _ = state.fit()
+    beside = Projection.of(state.whitener, known, (before - known) @ weights).added(look_alikes(problem, effect))
+    columns = problem.columns([effect])[0]
+    return _energy(beside, columns), score(beside, [effect], [columns])[0].gain
 
 
 def noisier(problem: Problem, random: np.random.Generator) -> Problem:
