@@ -91,13 +91,12 @@ def test_the_more_heat_the_more_of_it_is_motion():
 
 
 def test_a_rate_that_the_second_thermometer_shows_better_is_no_gradient():
-    # The derivative of one thermometer carries its noise into the residual, and T2 - T knows that noise. That it
-    # follows is asked last: by all the other rules it would have been taken.
-    problem = problem_of(list(days(rate_gain=120.0)))
-    findings = Forward(problem, np.random.default_rng(1)).run()
-    assert not findings.found
-    assert reasons(findings)[GRADIENT] == FOLLOWS
-    assert findings.undecided == (GRADIENT,)
+    # The derivative of one thermometer carries its noise into the residual, and T2 - T knows that noise.
+    state = State.of(problem_of(list(days(rate_gain=120.0))), [])
+    assert state.score([ThermalGradient()])[0].bic < -15.0
+    motion = motion_of(rate_gain=120.0)
+    assert not motion.moves
+    assert motion.gain < motion.scored.gain or not motion.scored.gain
 
 
 def test_a_gradient_with_heat_from_one_side_is_named():
