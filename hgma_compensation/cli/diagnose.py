@@ -20,6 +20,8 @@ from hgma_compensation.cli.tables import console, new_table
 from hgma_compensation.diagnosis.diagnose import diagnose
 from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis
 from hgma_compensation.diagnosis.verdict import Verdict
+from hgma_compensation.effects.effect import Effect
+from hgma_compensation.effects.registry import kinds
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.files import write_atomically
 from hgma_compensation.kept_memory import return_memory
@@ -91,10 +93,16 @@ def sentence(channel: ChannelDiagnosis) -> str:
     unit = unit_of(channel.name)
     change = f"error on the hold-out {quantity(channel.error_before, unit)} -> {quantity(channel.error_after, unit)}"
     if channel.effects:
-        return f"explained by {_list(channel.effects)}; {change}"
-    if channel.partial:
-        return f"unexplained: {_list(channel.partial)} carry a part, but {channel.judgement.reason}; {change}"
-    return f"{channel.verdict.value.replace('_', ' ')}: {channel.judgement.reason}"
+        said = f"explained by {_list(channel.effects)}; {change}"
+    elif channel.partial:
+        said = f"unexplained: {_list(channel.partial)} carry a part, but {channel.judgement.reason}; {change}"
+    else:
+        said = f"{channel.verdict.value.replace('_', ' ')}: {channel.judgement.reason}"
+    return "; ".join([said, *(_undecided(kinds()[name]) for name in channel.undecided)])
+
+
+def _undecided(kind: type[Effect]) -> str:
+    return f"{kind.name} fits as well and cannot be told apart here, which takes {kind.identified_by}"
 
 
 def _list(effects: tuple[Any, ...]) -> str:

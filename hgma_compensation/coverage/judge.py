@@ -11,6 +11,7 @@ from hgma_compensation.coverage.result import EffectCheck, Level, Parameter
 from hgma_compensation.coverage.sensitivity import Point, Sensitivity, fraction
 from hgma_compensation.coverage.trials import LARGER, MOST_LARGER, confirmed
 from hgma_compensation.diagnosis.diagnose import FEWEST_SWEEPS
+from hgma_compensation.diagnosis.forward import FOLLOWS
 from hgma_compensation.diagnosis.polish import searched_parameter
 from hgma_compensation.effects.effect import Effect, Need
 from hgma_compensation.effects.hysteresis import Hysteresis
@@ -107,6 +108,8 @@ class Judge:
             return f"the temperature changes by {span:.2g} °C only"
         if self.sweeps < FEWEST_SWEEPS and kind not in AVERAGED:
             return f"{self.sweeps} coolings and heatings to learn from, {FEWEST_SWEEPS} are needed to leave a cycle out"
+        if not points and self.sensitivity.follows(kind):
+            return FOLLOWS
         return "" if points else "nothing sets it off beyond what a model of temperature and rate carries"
 
     def _has(self, need: Need) -> bool:

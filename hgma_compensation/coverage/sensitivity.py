@@ -3,10 +3,11 @@
 An effect leaves, whitened and off what the drift model can carry, a vector k·u, |u| = 1. A form of an effect with
 directions Q carries the share |Qᵀu|² of it, and its gain in the search is non-central χ² with λ = k²|Qᵀu|². The length
 k asked for is that at which a form of the effect itself passes the diagnosis' own thresholds
-(``diagnosis/forward.py``) nine times in ten, and no form of another kind comes within CLOSE of its BIC.
+(``diagnosis/forward.py``) nine times in ten, and no form of another kind comes within CLOSE of its BIC. An effect of a
+measured input is counted by what that input has of its own (``diagnosis/own_motion.py``).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,6 +21,7 @@ from hgma_compensation.diagnosis.baseline import independent
 from hgma_compensation.diagnosis.forward import CLOSE, LARGEST_P, LEAST_CONTRIBUTION
 from hgma_compensation.diagnosis.leftover import slow_directions
 from hgma_compensation.diagnosis.lines import TRIALS
+from hgma_compensation.diagnosis.own_motion import OwnMotion, needs_own_motion, own_motion
 from hgma_compensation.diagnosis.problem import Problem, State
 from hgma_compensation.diagnosis.result import reported_name
 from hgma_compensation.diagnosis.search import SEEN, Scored, searched_count
@@ -60,11 +62,12 @@ class Point:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """A state and the effects on it, scored."""
+    """A state and the effects on it, scored. own: by index, of those that are judged by what their input has alone."""
 
     state: State
     scored: tuple[Scored, ...]
     null: NullMaxima
+    own: Mapping[int, OwnMotion]
 
     @classmethod
     def of(cls, problem: Problem, random: np.random.Generator) -> "Sensitivity":
@@ -72,7 +75,11 @@ class Sensitivity:
         state = state_of(problem)
         scored = state.score(grid(problem))
         smooth = [one.directions for one in scored if not isinstance(one.effect, PeriodicInterference)]
-        return cls(state, tuple(scored), null_maxima(state.projection, smooth, random))
+        null = null_maxima(state.projection, smooth, random)
+        asked = [i for i, one in enumerate(scored) if one.rank and needs_own_motion(one.effect)]
+        slow = slow_directions(state)
+        own = {i: own_motion(state, scored[i], slow, random.spawn(1)[0]) for i in asked}
+        return cls(state, tuple(scored), null, own)
 
     @cached_property
     def noise(self) -> float:
@@ -107,6 +114,8 @@ class Sensitivity:
             length, own = float(np.linalg.norm(off[:, index])), float(np.linalg.norm(straight[:, index]))
             if not one.rank or not length or (one.effect.needs and not _is_input(plain[:, index], shaped[:, index])):
                 continue
+            if index in self.own and not self.own[index].moves:
+                continue
             found = self._needed(index, off[:, index] / length, forms)
             least = LEAST_CONTRIBUTION * self.noise / max(float(np.sqrt(np.mean(plain[:, index] ** 2))), 1e-300)
             if found is not None:
@@ -114,6 +123,10 @@ class Sensitivity:
                 rival, share = self._most_like(one, straight[:, index] / max(own, 1e-300))
                 points.append(Point(one.effect, found[1], float(np.std(values)), values, rival, float(np.sqrt(share))))
         return tuple(points)
+
+    def follows(self, kind: type[Effect]) -> bool:
+        """Return whether what a kind answers to is measured, but never moves by itself."""
+        return any(isinstance(self.scored[i].effect, kind) and not motion.moves for i, motion in self.own.items())
 
     def _off(self, columns: Array) -> tuple[Array, Array]:
         """Return columns (n, m) off what is known: whitened, 0 where nothing is left of them, and plain."""
@@ -135,10 +148,14 @@ class Sensitivity:
             same = reported_name(form.scored.effect) == name
             if same and form.index != index:
                 continue
-            share = min(float(np.sum((form.scored.directions.T @ unit) ** 2)), 1.0)
+            share = _share(form.scored, unit)
             bic = -share * energy + (form.scored.rank + searched_count(form.scored.effect)) * cost
             if same:
-                own.append((form.scored, np.where(self._taken(form.scored, share, energy), bic, np.inf)))
+                taken = self._taken(form.scored, share, 1.0 - share, energy)
+                if form.index in self.own:
+                    alone = self.own[form.index].scored
+                    taken &= self._taken(alone, _share(alone, unit), 1.0 - share, energy)
+                own.append((form.scored, np.where(taken, bic, np.inf)))
             else:
                 rivals = np.minimum(rivals, bic)
         best = np.min([bic for _, bic in own], axis=0)
@@ -149,14 +166,15 @@ class Sensitivity:
         scored, _ = min(own, key=lambda pair: float(pair[1][place]))
         return float(LENGTHS[place]), scored.effect
 
-    def _taken(self, form: Scored, share: float, energy: Array) -> NDArray[np.bool_]:
+    def _taken(self, form: Scored, share: float, missed: float, energy: Array) -> NDArray[np.bool_]:
         """Return for energies (m,) of an effect, of which a form carries a share, whether it is taken and kept OFTEN.
 
-        What it does not carry raises the dispersion that significance is counted over (``leftover.py``).
+        The share missed by all that is known then raises the dispersion that significance is counted over
+        (``leftover.py``).
         """
         line = isinstance(form.effect, PeriodicInterference)
         needed = np.log10(TRIALS / LARGEST_P) if line else self.score_needed
-        dispersion = 1.0 + (1.0 - share) * energy / max(self.slow, 1)
+        dispersion = 1.0 + missed * energy / max(self.slow, 1)
         kept = CLOSE + (form.rank + searched_count(form.effect)) * np.log(len(self.state.problem.values))
         gain = np.maximum(chi2.isf(10.0**-needed, form.rank) * dispersion, kept)
         return np.asarray(ncx2.sf(gain, form.rank, np.maximum(share * energy, 1e-9)) >= OFTEN)
@@ -183,6 +201,11 @@ class _Form:
 
     index: int
     scored: Scored
+
+
+def _share(scored: Scored, unit: Array) -> float:
+    """Return the share of a whitened unit vector (n,) that a form carries."""
+    return min(float(np.sum((scored.directions.T @ unit) ** 2)), 1.0)
 
 
 def _is_input(off: Array, column: Array) -> bool:

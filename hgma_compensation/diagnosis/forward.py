@@ -10,6 +10,7 @@ from hgma_compensation.diagnosis.baseline import independent
 from hgma_compensation.diagnosis.cross_validation import folds_for, share_of_folds
 from hgma_compensation.diagnosis.leftover import leftover, slow_directions
 from hgma_compensation.diagnosis.lines import TRIALS, line_candidates
+from hgma_compensation.diagnosis.own_motion import needs_own_motion, own_motion
 from hgma_compensation.diagnosis.polish import answered, finding_form, side_by_side
 from hgma_compensation.diagnosis.problem import Problem, State
 from hgma_compensation.diagnosis.search import Scored
@@ -38,6 +39,9 @@ LEAST_SHARE = 0.12
 CLOSE = 10.0
 """BIC within which two explanations cannot be told apart (Kass and Raftery 1995)."""
 
+FOLLOWS = "what it answers to moves only as the temperature and its rate make it"
+STANDS_ALONE = "does not follow what it answers to where that moves by itself"
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -49,18 +53,25 @@ class Candidate:
     contribution: float = 0.0
     reason: str = ""
 
+    @property
+    def undecided(self) -> bool:
+        """Whether it fits, but the data could not tell it from what it is confused with."""
+        return self.reason == FOLLOWS
+
 
 @dataclass(frozen=True)
 class Found:
     """An accepted effect: p-value when it was taken, and the kinds within CLOSE of it, with their BIC over its own.
 
-    contribution: RMS of what no drift model could carry of it, over the noise of a mean of 10 s.
+    contribution: RMS of what no drift model could carry of it, over the noise of a mean of 10 s. undecided: kinds that
+    carry as much or more, but whose input showed nothing of its own.
     """
 
     effect: Effect
     p_value: float
     contribution: float
     runners_up: dict[str, float] = field(default_factory=dict)
+    undecided: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -72,6 +83,11 @@ class Findings:
     found: tuple[Found, ...]
     stages: tuple[tuple[Candidate, ...], ...]
     spectra: Spectra | None = None
+
+    @property
+    def undecided(self) -> tuple[str, ...]:
+        """Names of kinds that would fit what is left, but could not be told from what they are confused with."""
+        return tuple(c.scored.name for c in (self.stages[-1] if self.stages else ()) if c.undecided)
 
     def put_away(self) -> None:
         """Keep of what the search held in memory that which the evidence is drawn from, covariances in files."""
@@ -110,7 +126,8 @@ class Forward:
                 for c in candidates
                 if c is not chosen and abs(c.scored.bic - chosen.scored.bic) <= CLOSE
             }
-            found.append(Found(chosen.scored.effect, chosen.p_value, chosen.contribution, close))
+            undecided = [c.scored.name for c in candidates if c.undecided and c.scored.bic <= chosen.scored.bic + CLOSE]
+            found.append(Found(chosen.scored.effect, chosen.p_value, chosen.contribution, close, tuple(undecided)))
             self._carry(state, found)
             state, found = self._refine(state, found)
         return Findings(before, State.of(self.problem, [f.effect for f in found]), tuple(found), tuple(stages))
@@ -180,7 +197,17 @@ class Forward:
             return replace(candidate, reason="too small to matter")
         if candidate.contribution < LEAST_SHARE * largest:
             return replace(candidate, reason="too small beside the effect found")
-        return candidate
+        return replace(candidate, reason=self._not_by_itself(state, slow, scored, p_value))
+
+    def _not_by_itself(self, state: State, slow: Array, scored: Scored, p_value: Callable[[float], float]) -> str:
+        """Return why an effect of a measured input is not shown by what the input has of its own, "" where it is."""
+        if not needs_own_motion(scored.effect):
+            return ""
+        motion = own_motion(state, scored, slow, self.random.spawn(1)[0])
+        if not motion.moves:
+            return FOLLOWS
+        score = float(score_of(motion.gain, motion.scored.rank, motion.left.dispersion))
+        return STANDS_ALONE if p_value(score) > LARGEST_P else ""
 
     def _contribution(self, state: State, scored: Scored) -> float:
         """Return the RMS of the effect off the baseline over the noise of a mean of 10 s."""
@@ -231,10 +258,19 @@ class Forward:
             return replace(own, effect=current.effect, contribution=self._contribution(others, current))
         rivals = [s for s in self._polished(others, others.score(self._grid(others))) if s.name != own.effect.name]
         close = {s.name: s.bic - current.bic for s in rivals if abs(s.bic - current.bic) <= CLOSE}
-        if rivals and rivals[0].bic < current.bic - CLOSE / 5.0:
-            close = {s.name: s.bic - rivals[0].bic for s in rivals[1:] if s.bic - rivals[0].bic <= CLOSE}
-            return Found(rivals[0].effect, own.p_value, self._contribution(others, rivals[0]), close)
+        better = [s for s in rivals if s.bic < current.bic - CLOSE / 5.0]
+        new = next((s for s in better if self._moves(others, s)), None)
+        if new is not None:
+            close = {s.name: s.bic - new.bic for s in rivals if s is not new and abs(s.bic - new.bic) <= CLOSE}
+            return Found(new.effect, own.p_value, self._contribution(others, new), close, own.undecided)
         return replace(own, effect=current.effect, contribution=self._contribution(others, current), runners_up=close)
+
+    def _moves(self, state: State, scored: Scored) -> bool:
+        """Return whether an effect is there by what its input has of its own, as far as that is asked of it."""
+        if not needs_own_motion(scored.effect):
+            return True
+        motion = own_motion(state, scored, slow_directions(state), self.random.spawn(1)[0])
+        return motion.moves and motion.gain > CLOSE + motion.scored.rank * float(np.log(len(self.problem.values)))
 
     def _needed(self, state: State, found: Sequence[Found], index: int) -> bool:
         others = self._beside(state, [f for i, f in enumerate(found) if i != index])

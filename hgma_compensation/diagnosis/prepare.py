@@ -89,6 +89,7 @@ def prepare(
         block=block,
         thermistor=thermistor_error(runs[0], calibration.features.noise, block, random),
         survey=survey_of(runs, channel, blocks, features, inputs, block, acceleration),
+        settings=calibration.features,
     )
     return without_rows(problem, inputs.usable & limits.contains(seen))
 

@@ -16,6 +16,7 @@ from hgma_compensation.diagnosis.search import Projection, Scored, score
 from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
 from hgma_compensation.effects.effect import Effect, Survey
+from hgma_compensation.temperature.features import FeatureSettings
 
 Array = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ class Problem:
     """What is asked of a channel.
 
     scene: with the blocks to learn from. features: (n, 3) at the blocks. network: whose weights are free.
-    inputs: (n, m) columns of real acceleration that must not be taken for drift. block: s.
+    inputs: (n, m) columns of real acceleration that must not be taken for drift. block: s. settings: of the features.
     """
 
     scene: Scene
@@ -47,6 +48,7 @@ class Problem:
     block: float
     thermistor: ThermistorError
     survey: Survey
+    settings: FeatureSettings
     cache: dict[Effect, Array] = field(default_factory=dict, compare=False, repr=False)
 
     def columns(self, effects: Sequence[Effect]) -> list[Array]:

@@ -46,6 +46,13 @@ class ChannelDiagnosis:
         return self.judgement.verdict
 
     @property
+    def undecided(self) -> tuple[str, ...]:
+        """Names of effects that fit as well, but whose input never moved by itself; of noise none is said to fit."""
+        rivals = [name for found in self.findings.found for name in found.undecided if self.effects or self.partial]
+        left = self.findings.undecided if self.verdict is Verdict.UNEXPLAINED else ()
+        return tuple(dict.fromkeys([*rivals, *left]))
+
+    @property
     def error_before(self) -> float:
         """Error of the calibration that was given."""
         return self.before.rms
@@ -68,6 +75,7 @@ class ChannelDiagnosis:
             "reason": self.judgement.reason,
             "effects": [vars(effect) for effect in self.effects],
             "partial": [vars(effect) for effect in self.partial],
+            "undecided": list(self.undecided),
             "error_before": self.error_before,
             "error_after": self.error_after,
             "noise_floor": self.noise_floor,

@@ -32,16 +32,16 @@ def make_run(recording: Sampled, noise: TrendNoise) -> Run:
     """Return a recording with its thermometers smoothed; raises RefusedError where the first one says nothing."""
     if len(usable(recording.temperature).stamps) < FEWEST:
         raise RefusedError(f"{recording.name}: fewer than {FEWEST} usable thermistor samples: leave it out")
-    first = _smoothed(recording.temperature, noise)
+    first = smoothed_series(usable(recording.temperature), noise)
     starts = power_ons(first.stamps)
     power_on = first.stamps[starts[np.searchsorted(starts, np.arange(len(first.stamps)), side="right") - 1]]
-    second = _smoothed(recording.temperature_2, noise) if len(usable(recording.temperature_2).stamps) > 2 else None
+    other = usable(recording.temperature_2)
+    second = smoothed_series(other, noise) if len(other.stamps) > 2 else None
     return Run(recording, first, power_on, second)
 
 
-def _smoothed(series: Series, noise: TrendNoise) -> Smoothed:
-    """Return a series smoothed from each power-on to the next."""
-    good = usable(series)
+def smoothed_series(good: Series, noise: TrendNoise) -> Smoothed:
+    """Return a series of usable samples smoothed from each power-on to the next."""
     bounds = [*power_ons(good.stamps).tolist(), len(good.stamps)]
     parts = [smooth(*thinned(good.stamps[a:b], good.values[a:b], noise)) for a, b in pairwise(bounds)]
     return Smoothed(*(np.concatenate([getattr(p, name) for p in parts]) for name in Smoothed.__dataclass_fields__))

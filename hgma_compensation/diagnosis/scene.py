@@ -1,7 +1,7 @@
 """What was going on at each block, and what effects make of it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -75,15 +75,28 @@ class Scene:
         return tuple(np.flatnonzero(self.blocks.run == number) for number in range(len(self.runs)))
 
     @cached_property
-    def _at_blocks(self) -> tuple[Conditions, ...]:
-        """What effects answer to at the blocks of each run: the same whatever the effects are."""
-        parts = []
-        for number, rows in enumerate(self._rows):
+    def _mean_acceleration(self) -> tuple[Array, ...]:
+        """The acceleration (n, 6) at the blocks of each run."""
+        means = []
+        for number in range(len(self.runs)):
             sums = self._sums(number, len(CHANNELS))
             for samples in self.acceleration[number].parts():
                 sums.add(np.nan_to_num(samples))
-            parts.append(self.conditions(number, self.blocks.stamps[rows], sums.means()))
-        return tuple(parts)
+            means.append(sums.means())
+        return tuple(means)
+
+    @cached_property
+    def _at_blocks(self) -> tuple[Conditions, ...]:
+        """What effects answer to at the blocks of each run: the same whatever the effects are."""
+        pairs = zip(self._rows, self._mean_acceleration, strict=True)
+        return tuple(self.conditions(i, self.blocks.stamps[rows], means) for i, (rows, means) in enumerate(pairs))
+
+    def with_runs(self, runs: Sequence[Run]) -> "Scene":
+        """Return the scene with other thermometers, the same acceleration at the same blocks."""
+        other = replace(self, runs=tuple(runs))
+        # The means take a pass over all samples, and no thermometer changes them.
+        vars(other)["_mean_acceleration"] = self._mean_acceleration
+        return other
 
     @property
     def put_in(self) -> Array:

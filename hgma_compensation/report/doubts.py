@@ -29,7 +29,16 @@ def look_alikes(channel: ChannelDiagnosis) -> list[str]:
                 f"“{title_of(name)}” fits nearly as well as “{found.effect.title}” (BIC {number(abs(difference), 2)} "
                 f"{than}): these recordings cannot tell them apart. What would: {wanted}."
             )
-    return said
+    return said + [_follows(kinds()[name]) for name in channel.undecided]
+
+
+def _follows(kind: type[Effect]) -> str:
+    alike = listed([f"“{title_of(name)}”" for name in kind.confused_with])
+    return (
+        f"“{kind.title}” would fit as well, but what it answers to moved only as the temperature and its rate make it: "
+        f"these recordings cannot tell it from {alike}, or from what the drift does with the rate. What would: "
+        f"{kind.identified_by}."
+    )
 
 
 def would_confirm(channel: ChannelDiagnosis) -> list[str]:
