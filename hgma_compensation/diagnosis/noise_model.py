@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky
 
+from hgma_compensation.diagnosis.factor import Factor
 from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.recording.sliced import in_parts
 from hgma_compensation.stamps import Stamps
@@ -20,7 +21,7 @@ from hgma_compensation.stamps import Stamps
 Array = NDArray[np.float64]
 
 PER_DECADE = 3
-ROWS = 128
+ROWS = 32
 """Of a covariance that are formed at once."""
 
 LONGEST = 10.0
@@ -46,16 +47,18 @@ class NoiseModel:
 
         What the spread of different runs has in common is left out.
         """
-        factors, places = [], _places(run)
-        for place in places:
-            # By Fortran's columns, which LAPACK factorises where they are; a few rows at a time, so that no other
-            # array of that size, tens of megabytes with two thousand means, is there beside it.
-            covariance = np.empty((len(place), len(place)), order="F")
-            for rows in in_parts(len(place), ROWS):
-                part = self._correlated(place, stamps, rows)
-                covariance[rows] = self.flicker * part.flicker + part.thermistor
-            factors.append(self._factor(covariance, place, spread))
-        return Whitener(factors, places)
+        places = _places(run)
+        return Whitener([Factor(self._formed(place, stamps, spread)) for place in places], places)
+
+    def _formed(self, place: NDArray[np.int64], stamps: Stamps, spread: Array | None) -> Array:
+        """Return the Cholesky factor (n, n) of one run."""
+        # By Fortran's columns, which LAPACK factorises where they are; a few rows at a time, so that no other
+        # array of that size, tens of megabytes with two thousand means, is there beside it.
+        covariance = np.empty((len(place), len(place)), order="F")
+        for rows in in_parts(len(place), ROWS):
+            part = self._correlated(place, stamps, rows)
+            covariance[rows] = self.flicker * part.flicker + part.thermistor
+        return self._factor(covariance, place, spread)
 
     def correlated(self, run: NDArray[np.int64], stamps: Stamps) -> "list[Correlated]":
         """Return what the covariance of each run of blocks is made of: the same for any white noise and any flicker."""
