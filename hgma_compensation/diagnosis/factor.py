@@ -44,17 +44,26 @@ class Factor:
             # By way of the file, so that the panels are not in memory beside the matrix.
             self._file = _filed(self._cut(lower))
 
-    def solve(self, columns: Array) -> Array:
-        """Return L⁻¹ columns; (n,) or (n, k)."""
+    def solve(self, columns: Array, *, held: bool = True) -> Array:
+        """Return L⁻¹ columns; (n,) or (n, k). held: whether the factor stays in memory for the next ones."""
         rest = np.array(columns, order="F")
         white, done = np.empty_like(rest), 0
-        for square, below in self._panels():
+        for square, below in self._panels(held):
             width = len(square)
             head = dtrtrs(square, rest[:width], lower=1)[0].reshape(rest[:width].shape)
             white[done : done + width] = head
             done += width
             rest = _without(rest[width:], below, head)
         return white
+
+    def transposed(self, columns: Array) -> Array:
+        """Return Lᵀ columns, (n, k)."""
+        product, done = np.empty_like(columns), 0
+        for square, below in self._panels():
+            end = done + len(square)
+            product[done:end] = np.concatenate([square, below]).T @ columns[done:]
+            done = end
+        return product
 
     @property
     def diagonal(self) -> Array:
@@ -81,10 +90,13 @@ class Factor:
         for part in in_parts(self._size, self._width):
             yield lower[part, part], lower[part.stop :, part]
 
-    def _panels(self) -> Iterator[Panel]:
-        if self._held is None and self._used:
+    def _panels(self, held: bool = True) -> Iterator[Panel]:
+        if self._file is not None and not (held and self._used):
+            self._held = None
+            return self._read()
+        if self._held is None:
             self._held = list(self._read())
-        return self._read() if self._held is None else iter(self._held)
+        return iter(self._held)
 
     def _read(self) -> Iterator[Panel]:
         assert self._file is not None

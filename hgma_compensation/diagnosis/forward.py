@@ -149,6 +149,7 @@ class Forward:
             best = self._polished(state, scored)
         smooth = [s for s in scored if s.name != LINE]
         null = null_maxima(state.projection, [s.directions for s in smooth], self.random)
+        del scored, smooth
         slow = slow_directions(state)
         return state, [self._judged(state, slow, scored, null.p_value, largest) for scored in best]
 

@@ -6,8 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.diagnosis.factor import Factor
+from hgma_compensation.recording.sliced import in_parts
 
 Array = NDArray[np.float64]
+
+MANY = 128
+"""Columns that are whitened at once. Of more of them reading a factor from its file is nothing beside solving, and the
+memory is left to what they become."""
 
 
 class Whitener:
@@ -22,8 +27,19 @@ class Whitener:
         """Return L⁻¹ columns; (n,) or (n, k)."""
         white = np.empty_like(columns)
         for factor, place in zip(self._factors, self.places, strict=True):
-            white[place] = factor.solve(columns[place])
+            if columns.ndim == 1:
+                white[place] = factor.solve(columns[place])
+                continue
+            for part in in_parts(columns.shape[1], MANY):
+                white[place, part] = factor.solve(columns[place, part], held=columns.shape[1] < MANY)
         return white
+
+    def expected(self, directions: Array) -> float:
+        """Return the energy that noise has along directions (n, k) on average: Σ |Lᵀ d|²."""
+        return sum(
+            float(np.sum(factor.transposed(directions[place]) ** 2))
+            for factor, place in zip(self._factors, self.places, strict=True)
+        )
 
     @property
     def factors(self) -> Iterator[Array]:
