@@ -94,5 +94,6 @@ def residue(state: State, problem: Problem) -> Residue:
     noise = replace(state.noise, white=white_variance(blocks, residual, carried), thermistor=carried)
     spread = None if problem is state.problem else other @ root
     whitener = noise.whitener(blocks.run, blocks.stamps, spread)
+    whitener.put_away()  # a verdict asks each of them a few times only
     ten = float(np.sqrt(np.median(noise.white) * problem.block / 10.0))
     return Residue(problem, residual, whitener, ten)

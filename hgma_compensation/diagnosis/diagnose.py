@@ -93,8 +93,6 @@ class _Study:
         before = (residue(findings.before, learned), residue(findings.before, held))
         after = (residue(findings.state, findings.state.problem), residue(findings.state, held))
         judgement = judge(len(findings.found), before, after)
-        for one in (*before, *after):
-            one.whitener.put_away()
         before_error = held_out_error(self.material, self.runs, self.calibration, self.channel)
         after_error = before_error
         effects = tuple(named(found) for found in findings.found)

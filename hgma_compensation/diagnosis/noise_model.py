@@ -15,6 +15,7 @@ from scipy.linalg import cholesky, qr
 
 from hgma_compensation.diagnosis.factor import Factor
 from hgma_compensation.diagnosis.whitener import Whitener
+from hgma_compensation.kept_memory import give_back
 from hgma_compensation.recording.sliced import in_parts
 from hgma_compensation.stamps import Stamps
 
@@ -48,6 +49,7 @@ class NoiseModel:
         What the spread of different runs has in common is left out.
         """
         places = _places(run)
+        give_back()  # what stages before have left free, before the largest arrays of all are formed
         return Whitener([Factor(self._formed(place, stamps, spread)) for place in places], places)
 
     def _formed(self, place: NDArray[np.int64], stamps: Stamps, spread: Array | None) -> Array:

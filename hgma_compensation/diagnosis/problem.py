@@ -16,7 +16,6 @@ from hgma_compensation.diagnosis.search import Projection, Scored, score
 from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.drift.radial_basis import RadialBasisDrift
 from hgma_compensation.effects.effect import Effect, Survey
-from hgma_compensation.kept_memory import give_back
 
 Array = NDArray[np.float64]
 
@@ -114,7 +113,6 @@ class State:
             problem.scene.blocks, residual, independent(known), (carried, problem.thermistor.correlation), problem.block
         )
         blocks = problem.scene.blocks
-        give_back()  # what the stage before has left free, before the largest array of all is formed
         return cls(problem, noise, noise.whitener(blocks.run, blocks.stamps), tuple(effects), tuple(columns))
 
     @cached_property
