@@ -18,6 +18,7 @@ from hgma_compensation.diagnosis.spectra import Spectra
 from hgma_compensation.effects.effect import Effect
 from hgma_compensation.effects.periodic_interference import PeriodicInterference
 from hgma_compensation.effects.registry import kinds
+from hgma_compensation.kept_memory import give_back
 
 Array = NDArray[np.float64]
 
@@ -150,6 +151,7 @@ class Forward:
         smooth = [s for s in scored if s.name != LINE]
         null = null_maxima(state.projection, [s.directions for s in smooth], self.random)
         del scored, smooth
+        give_back()
         slow = slow_directions(state)
         return state, [self._judged(state, slow, scored, null.p_value, largest) for scored in best]
 

@@ -1,6 +1,5 @@
 """``report.html`` of ``hgma diagnose``."""
 
-import gc
 from pathlib import Path
 
 from hgma_compensation import __version__
@@ -36,8 +35,7 @@ def diagnosis_page(diagnosis: Diagnosis, *, title: str, original: Calibration | 
     channels = []
     for index in range(len(diagnosis.channels)):
         channels.append(channel_section(diagnosis, index, original))
-        gc.collect()  # figures are held by their own axes
-        give_back()
+        give_back()  # what the figures took
     overview = [section("All channels", tables.overview(diagnosis), level=2)] if len(channels) > 1 else []
     return page(title, _head(diagnosis, title, original), *overview, *channels, _judged(diagnosis))
 
