@@ -30,6 +30,12 @@ def return_memory() -> None:
     _set(M_MMAP_THRESHOLD, RETURNED)
 
 
+def give_back() -> None:
+    """Give the free memory between what is in use back to the system, of which glibc gives back the end alone."""
+    with suppress(OSError, AttributeError):  # another libc has no such function
+        ctypes.CDLL(None).malloc_trim(0)
+
+
 def _set(parameter: int, size: int) -> None:
     with suppress(OSError, AttributeError):  # another libc has no such settings
         ctypes.CDLL(None).mallopt(parameter, size)

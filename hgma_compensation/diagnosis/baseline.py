@@ -4,6 +4,7 @@ from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import svd
 
 from hgma_compensation.drift.inputs import InputScaling
 from hgma_compensation.drift.radial_basis import RadialBasisDrift, basis
@@ -52,8 +53,12 @@ def regressors(drift: RadialBasisDrift, features: Array) -> Array:
 def independent(columns: Array, tolerance: float = 1e-7) -> Array:
     """Return orthonormal columns (n, r) that span columns (n, k) up to the tolerance of the largest."""
     norms = np.linalg.norm(columns, axis=0)
-    scaled = columns[:, norms > 0.0] / norms[norms > 0.0]
+    scaled = columns[:, norms > 0.0]
+    scaled /= norms[norms > 0.0]
     if not scaled.shape[1]:
         return np.empty((len(columns), 0))
-    u, s, _ = np.linalg.svd(scaled, full_matrices=False)
-    return np.asarray(u[:, s > tolerance * max(s[0], -inf)])
+    # In place, which numpy's does not offer: of hundreds of columns every copy is megabytes.
+    del columns
+    u, s, _ = svd(scaled, full_matrices=False, overwrite_a=True, check_finite=False)
+    good = s > tolerance * max(s[0], -inf)
+    return np.asfortranarray(u if good.all() else u[:, good])

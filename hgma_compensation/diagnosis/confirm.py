@@ -10,7 +10,7 @@ from scipy.stats import chi2, gamma
 from hgma_compensation.diagnosis.leftover import SLOWEST
 from hgma_compensation.diagnosis.lines import power_spectrum
 from hgma_compensation.diagnosis.noise_fit import white_variance
-from hgma_compensation.diagnosis.noise_model import slow_cosines
+from hgma_compensation.diagnosis.noise_model import qr_in_place, slow_cosines
 from hgma_compensation.diagnosis.problem import Problem, State
 from hgma_compensation.diagnosis.whitener import Whitener
 
@@ -49,14 +49,14 @@ class Residue:
         """Return its slow part."""
         blocks = self.problem.scene.blocks
         cosines = slow_cosines(blocks.run, blocks.stamps, SLOWEST)
-        q, _ = np.linalg.qr(self.whitener(cosines))
-        energy = float(np.sum((q.T @ self.white) ** 2))
-        plain, _ = np.linalg.qr(cosines)
+        plain, _ = qr_in_place(np.array(cosines, order="F"))
         seen = float(np.sum((plain.T @ self.residual) ** 2))
-        expected = sum(
-            float(np.sum((factor.T @ plain[place]) ** 2))
-            for factor, place in zip(self.whitener.factors, self.whitener.places, strict=True)
-        )
+        expected = self.whitener.expected(plain)
+        del plain  # tens of megabytes of a day, as is what is white
+        white = self.whitener(cosines)
+        del cosines
+        q, _ = qr_in_place(np.asfortranarray(white))
+        energy = float(np.sum((q.T @ self.white) ** 2))
         return Slow(energy, q.shape[1], float(np.sqrt(max(seen - expected, 0.0) / len(self.residual))))
 
     @property
@@ -94,5 +94,6 @@ def residue(state: State, problem: Problem) -> Residue:
     noise = replace(state.noise, white=white_variance(blocks, residual, carried), thermistor=carried)
     spread = None if problem is state.problem else other @ root
     whitener = noise.whitener(blocks.run, blocks.stamps, spread)
+    whitener.put_away()  # a verdict asks each of them a few times only
     ten = float(np.sqrt(np.median(noise.white) * problem.block / 10.0))
     return Residue(problem, residual, whitener, ten)

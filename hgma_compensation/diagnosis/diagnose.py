@@ -20,6 +20,7 @@ from hgma_compensation.diagnosis.runs import Run, make_run
 from hgma_compensation.diagnosis.spectra import fit_spectra
 from hgma_compensation.diagnosis.verdict import Judgement, Verdict, judge
 from hgma_compensation.errors import RefusedError
+from hgma_compensation.kept_memory import give_back
 from hgma_compensation.recording.compensated_bag import check_covered
 from hgma_compensation.recording.sliced import Sampled
 from hgma_compensation.recording.spooled import Spooled
@@ -63,6 +64,7 @@ def diagnose(
         study = _Study(material, runs, acceleration, calibration, name, withheld, random, progress)
         diagnosis, result = study.run(result)
         channels.append(diagnosis)
+        give_back()
     return Diagnosis(tuple(channels), with_id(_documented(result, material, seed)), material)
 
 
@@ -91,8 +93,6 @@ class _Study:
         before = (residue(findings.before, learned), residue(findings.before, held))
         after = (residue(findings.state, findings.state.problem), residue(findings.state, held))
         judgement = judge(len(findings.found), before, after)
-        for one in (*before, *after):
-            one.whitener.put_away()
         before_error = held_out_error(self.material, self.runs, self.calibration, self.channel)
         after_error = before_error
         effects = tuple(named(found) for found in findings.found)

@@ -19,6 +19,7 @@ from hgma_compensation.diagnosis.spectra import Spectra
 from hgma_compensation.effects.effect import Effect
 from hgma_compensation.effects.periodic_interference import PeriodicInterference
 from hgma_compensation.effects.registry import kinds
+from hgma_compensation.kept_memory import give_back
 
 Array = NDArray[np.float64]
 
@@ -117,7 +118,6 @@ class Forward:
             self._say(f"effect {len(found) + 1}")
             state, candidates = self._stage(state, max((f.contribution for f in found), default=0.0))
             stages.append(tuple(replace(one, scored=one.scored.figures()) for one in candidates))
-            before.whitener.put_away()  # the stages that follow have a noise of their own
             chosen = next((c for c in candidates if not c.reason), None)
             if chosen is None:
                 break
@@ -130,6 +130,7 @@ class Forward:
             found.append(Found(chosen.scored.effect, chosen.p_value, chosen.contribution, close, tuple(undecided)))
             self._carry(state, found)
             state, found = self._refine(state, found)
+        state.whitener.put_away()
         return Findings(before, State.of(self.problem, [f.effect for f in found]), tuple(found), tuple(stages))
 
     def _say(self, text: str) -> None:
@@ -157,12 +158,17 @@ class Forward:
         best = self._polished(state, scored)
         if best:
             # Under the noise that is left beside the best candidate: before, its own structure counts as noise.
-            noise = State.of(self.problem, (*state.effects, best[0].effect))
+            strongest = best[0].effect
+            state.whitener.put_away()
+            del scored, best  # and what they hold, while the covariance is formed
+            noise = State.of(self.problem, (*state.effects, strongest))
             state = noise.with_effects(state.effects, state.columns)
             scored = state.score(grid)
             best = self._polished(state, scored)
         smooth = [s for s in scored if s.name != LINE]
         null = null_maxima(state.projection, [s.directions for s in smooth], self.random)
+        del scored, smooth
+        give_back()
         slow = slow_directions(state)
         return state, [self._judged(state, slow, scored, null.p_value, largest) for scored in best]
 
@@ -235,6 +241,7 @@ class Forward:
     def _refine(self, state: State, found: list[Found]) -> tuple[State, list[Found]]:
         """Refit the noise, polish effects beside each other, replace those that another kind beats, drop idle ones."""
         for _ in range(2):
+            state.whitener.put_away()
             state = State.of(self.problem, [f.effect for f in found])
             for index in range(len(found)):
                 found[index] = self._replaced(state, found, index)
@@ -243,6 +250,7 @@ class Forward:
         kept = [
             f for i, f in enumerate(found) if f.contribution >= LEAST_SHARE * largest and self._needed(state, found, i)
         ]
+        state.whitener.put_away()
         return State.of(self.problem, [f.effect for f in kept]), kept
 
     def _beside(self, state: State, found: Sequence[Found]) -> State:

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from hgma_compensation.diagnosis.problem import Problem, State
 from hgma_compensation.effects.effect import Effect
 from hgma_compensation.effects.periodic_interference import PeriodicInterference
+from hgma_compensation.recording.sliced import in_parts
 
 Array = NDArray[np.float64]
 
@@ -16,6 +17,9 @@ SHORTEST = 2.2
 """Shortest period over the length of a block."""
 
 OVERSAMPLING = 4
+AT_ONCE = 64
+"""Frequencies whose waves are in memory together, two megabytes of them with two thousand means."""
+
 STRONGEST = 3
 TRIALS = 1e5
 """Independent periods that such a search tries, for the p-value of the largest line."""
@@ -30,9 +34,9 @@ def power_spectrum(problem: Problem, residual: Array) -> tuple[Array, Array]:
     power = np.zeros(len(frequencies))
     for rows in runs:
         seconds = (blocks.stamps[rows] - blocks.stamps[rows[0]]) * 1e-9
-        for start in range(0, len(frequencies), 512):
-            part = slice(start, start + 512)
-            waves = np.exp(-2j * np.pi * frequencies[part, None] * seconds)
+        for part in in_parts(len(frequencies), AT_ONCE):
+            waves = -2j * np.pi * frequencies[part, None] * seconds
+            np.exp(waves, out=waves)
             power[part] += np.abs(waves @ residual[rows]) ** 2 / len(rows)
     return frequencies, power / len(runs)
 

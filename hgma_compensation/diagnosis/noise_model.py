@@ -11,16 +11,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky
+from scipy.linalg import cholesky, qr
 
+from hgma_compensation.diagnosis.factor import Factor
 from hgma_compensation.diagnosis.whitener import Whitener
+from hgma_compensation.kept_memory import give_back
 from hgma_compensation.recording.sliced import in_parts
 from hgma_compensation.stamps import Stamps
 
 Array = NDArray[np.float64]
 
 PER_DECADE = 3
-ROWS = 128
+ROWS = 32
 """Of a covariance that are formed at once."""
 
 LONGEST = 10.0
@@ -46,16 +48,19 @@ class NoiseModel:
 
         What the spread of different runs has in common is left out.
         """
-        factors, places = [], _places(run)
-        for place in places:
-            # By Fortran's columns, which LAPACK factorises where they are; a few rows at a time, so that no other
-            # array of that size, tens of megabytes with two thousand means, is there beside it.
-            covariance = np.empty((len(place), len(place)), order="F")
-            for rows in in_parts(len(place), ROWS):
-                part = self._correlated(place, stamps, rows)
-                covariance[rows] = self.flicker * part.flicker + part.thermistor
-            factors.append(self._factor(covariance, place, spread))
-        return Whitener(factors, places)
+        places = _places(run)
+        give_back()  # what stages before have left free, before the largest arrays of all are formed
+        return Whitener([Factor(self._formed(place, stamps, spread)) for place in places], places)
+
+    def _formed(self, place: NDArray[np.int64], stamps: Stamps, spread: Array | None) -> Array:
+        """Return the Cholesky factor (n, n) of one run."""
+        # By Fortran's columns, which LAPACK factorises where they are; a few rows at a time, so that no other
+        # array of that size, tens of megabytes with two thousand means, is there beside it.
+        covariance = np.empty((len(place), len(place)), order="F")
+        for rows in in_parts(len(place), ROWS):
+            part = self._correlated(place, stamps, rows)
+            covariance[rows] = self.flicker * part.flicker + part.thermistor
+        return self._factor(covariance, place, spread)
 
     def correlated(self, run: NDArray[np.int64], stamps: Stamps) -> "list[Correlated]":
         """Return what the covariance of each run of blocks is made of: the same for any white noise and any flicker."""
@@ -114,11 +119,20 @@ def flicker_times(shortest: float, duration: float) -> Array:
 
 def restricted_log_likelihood(whitener: Whitener, target: Array, nuisance: Array) -> float:
     """Return the restricted log-likelihood (Patterson and Thompson 1971) of a target (n,), nuisance (n, k)."""
-    q, r = np.linalg.qr(whitener(nuisance))
+    q, r = qr_in_place(np.asfortranarray(whitener(nuisance)))
     white = whitener(target)
     left = white - q @ (q.T @ white)
     diagonal: Any = np.abs(np.diag(r))
     return float(-0.5 * (whitener.log_determinant + 2.0 * np.log(diagonal[diagonal > 0]).sum() + left @ left))
+
+
+def qr_in_place(columns: Array) -> tuple[Array, Array]:
+    """Return Q (n, k) and R (k, k) of columns (n, k) in Fortran's order, which are lost.
+
+    numpy's takes four times their memory, megabytes for the slow change of a day; the bits are the same.
+    """
+    q, r = qr(columns, overwrite_a=True, mode="economic", check_finite=False)
+    return np.ascontiguousarray(q), r
 
 
 def slow_cosines(run: NDArray[np.int64], stamps: Stamps, shortest_period: float) -> Array:

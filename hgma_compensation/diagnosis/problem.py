@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 SLOPE_STEP = 0.1
 """°C over which the drift's slope is taken."""
 
-MOST_KEPT = 16 << 20
+MOST_KEPT = 8 << 20
 """Bytes of columns that are kept: those of the grid, two or three hundred, and the last that were polished."""
 
 TRUSTED = 3e-5

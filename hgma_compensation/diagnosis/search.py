@@ -33,7 +33,8 @@ class Projection:
     def of(cls, whitener: Whitener, known: Array, target: Array) -> "Projection":
         """Return the projection of a target (n,) off the columns known (n, k)."""
         basis = independent(whitener(known))
-        return cls(whitener, basis, _off(basis, whitener(target)))
+        white = whitener(target)
+        return cls(whitener, basis, white - basis @ (basis.T @ white))
 
     def added(self, columns: Array) -> "Projection":
         """Return the projection with columns (n, k) known as well."""
@@ -43,15 +44,19 @@ class Projection:
     def directions(self, columns: Array) -> Array:
         """Return orthonormal directions (n, r) of columns (n, k), whitened, off what is known."""
         white = self.whitener(columns)
+        # Hundreds of columns of slow change are megabytes, as is every copy of them: no more of them than must be.
+        del columns
         norms = np.linalg.norm(white, axis=0)
-        left = _off(self.known, white)
-        left = _off(self.known, left)
-        seen = np.linalg.norm(left, axis=0) > np.sqrt(SEEN) * np.maximum(norms, 1e-300)
-        return independent(left[:, seen], 1e-4) if seen.any() else np.empty((len(white), 0))
+        for _ in range(2):
+            white -= self._along(white)
+        seen = np.linalg.norm(white, axis=0) > np.sqrt(SEEN) * np.maximum(norms, 1e-300)
+        left = white[:, seen]
+        del white
+        return independent(left, 1e-4)
 
-
-def _off(basis: Array, columns: Array) -> Array:
-    return np.asarray(columns - basis @ (basis.T @ columns))
+    def _along(self, columns: Array) -> Array:
+        """Return the part of columns (n,) or (n, k), whitened, that is known."""
+        return np.asarray(self.known @ (self.known.T @ columns))
 
 
 @dataclass(frozen=True)

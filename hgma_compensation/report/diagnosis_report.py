@@ -6,6 +6,7 @@ from hgma_compensation import __version__
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.diagnosis.result import Diagnosis
 from hgma_compensation.files import write_atomically
+from hgma_compensation.kept_memory import give_back
 from hgma_compensation.report import tables
 from hgma_compensation.report.channel_section import channel_section
 from hgma_compensation.report.markup import Html, element, inner
@@ -31,7 +32,10 @@ def write_diagnosis_report(
 
 def diagnosis_page(diagnosis: Diagnosis, *, title: str, original: Calibration | None = None) -> str:
     """Return the report as HTML."""
-    channels = [channel_section(diagnosis, index, original) for index in range(len(diagnosis.channels))]
+    channels = []
+    for index in range(len(diagnosis.channels)):
+        channels.append(channel_section(diagnosis, index, original))
+        give_back()  # what the figures took
     overview = [section("All channels", tables.overview(diagnosis), level=2)] if len(channels) > 1 else []
     return page(title, _head(diagnosis, title, original), *overview, *channels, _judged(diagnosis))
 

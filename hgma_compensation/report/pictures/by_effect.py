@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from hgma_compensation.diagnosis.forward import Findings
+from hgma_compensation.kept_memory import give_back
 from hgma_compensation.report.pictures import against, in_time, memory, spectrum
 from hgma_compensation.report.pictures.canvas import Chart
 from hgma_compensation.report.pictures.evidence import Evidence, evidence_of
@@ -38,5 +39,6 @@ def evidence_charts(findings: Findings, channel: str) -> list[tuple[str, list[Ch
         charts = [chart for picture in pictures for chart in picture(evidence)]
         if evidence.effect.name == "periodic_interference":
             charts += spectrum.spectrum(findings)
+        give_back()  # what fits and the recordings' temperatures took
         result.append((evidence.effect.title, charts or in_time.over_recordings(evidence)))
     return result
