@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from report_diagnosis import NASTY, Checker, calibration_before, lagging_recording, small_diagnosis, words
 
+from hgma_compensation.cli.diagnose import sentence
 from hgma_compensation.diagnosis.diagnose import diagnose
 from hgma_compensation.diagnosis.verdict import Judgement, Verdict
 from hgma_compensation.errors import RefusedError
@@ -112,6 +113,20 @@ def test_several_channels_get_an_overview(diagnosis):
     text = diagnosis_page(replace(diagnosis, channels=(channel, noise)), title="t")
     assert "All channels" in words(text)
     assert {"#channel-0", "#channel-1"} <= set(Checker(text).links)
+
+
+def test_an_effect_whose_input_only_follows_is_said_to_be_undecided(diagnosis):
+    channel = diagnosis.channels[0]
+    assert channel.undecided == ()
+    found = replace(channel.findings.found[0], undecided=("thermal_gradient",))
+    doubtful = replace(channel, findings=replace(channel.findings, found=(found,)))
+    assert doubtful.as_json()["undecided"] == ["thermal_gradient"]
+    assert "thermal_gradient fits as well and cannot be told apart here, which takes a second thermometer, and heat" in sentence(doubtful)
+    text = words(diagnosis_page(replace(diagnosis, channels=(doubtful,)), title="t"))
+    assert "moved only as the temperature and its rate make it" in text
+    assert "heat from another side" in text
+    noise = with_verdict(diagnosis, Verdict.NO_EFFECT, findings=doubtful.findings)
+    assert noise.undecided == ()
 
 
 def test_runners_up_are_named_with_the_way_to_tell_them_apart(diagnosis):
