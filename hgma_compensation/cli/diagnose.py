@@ -102,7 +102,7 @@ def sentence(channel: ChannelDiagnosis) -> str:
 
 
 def _undecided(kind: type[Effect]) -> str:
-    return f"{kind.name} fits as well and cannot be told apart here, which takes {kind.identified_by}"
+    return f"{kind.name} fits as well and cannot be told apart here (that would take {kind.identified_by})"
 
 
 def _list(effects: tuple[Any, ...]) -> str:
