@@ -54,6 +54,7 @@ class Factor:
             white[done : done + width] = head
             done += width
             rest = _without(rest[width:], below, head)
+            del square, below  # before the next ones are read
         return white
 
     def transposed(self, columns: Array) -> Array:
@@ -62,6 +63,7 @@ class Factor:
         for square, below in self._panels():
             end = done + len(square)
             product[done:end] = np.concatenate([square, below]).T @ columns[done:]
+            del square, below
             done = end
         return product
 
