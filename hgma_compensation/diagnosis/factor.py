@@ -23,6 +23,9 @@ one, which changes 1e-14 of the largest element at most in tests."""
 WHOLE = 512
 """Rows up to which a factor is one panel."""
 
+WRITTEN = 16
+"""Columns that are written at once."""
+
 
 class Factor:
     """A lower triangular matrix (n, n) that equations are solved with.
@@ -117,7 +120,9 @@ def _filed(panels: Iterator[Panel]) -> Spooled:
     numbers = Spooled(1)
     for panel in panels:
         for block in panel:
-            numbers.add(np.ascontiguousarray(block.T).reshape(-1, 1))
+            # A few columns at a time: copies of panels, each of another size, would each take other free memory.
+            for part in in_parts(block.shape[1], WRITTEN):
+                numbers.add(np.ascontiguousarray(block[:, part].T).reshape(-1, 1))
     return numbers
 
 

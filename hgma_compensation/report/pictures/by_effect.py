@@ -1,5 +1,6 @@
 """Which pictures show the evidence for which kind of effect."""
 
+import gc
 from collections.abc import Callable, Iterator
 
 from hgma_compensation.diagnosis.forward import Findings
@@ -34,6 +35,8 @@ PICTURES: dict[str, tuple[Pictures, ...]] = {
 def evidence_charts(findings: Findings, channel: str) -> Iterator[tuple[str, list[Chart]]]:
     """Yield the title of each effect that was found, with its charts."""
     for evidence in evidence_of(findings, channel):
+        gc.collect()  # figures refer to themselves, and there are several for each effect
+        give_back()
         pictures = PICTURES.get(evidence.effect.name, (in_time.over_recordings,))
         charts = [chart for picture in pictures for chart in picture(evidence)]
         if evidence.effect.name == "periodic_interference":
