@@ -66,10 +66,10 @@ def _evidence(channel: ChannelDiagnosis) -> list[Html]:
     parts = []
     for title, drawn in found:
         parts.append(inner(element("h4", title), charts(drawn, level=5)))
-        drawn.clear()  # what is drawn, before more is
+        drawn.clear()  # figures take memory, and the next effect has its own
     if not parts:
         return []
-    gc.collect()
+    gc.collect()  # the last effect's figures, which refer to themselves
     text = (
         "From the recordings that were learned from. Points: partial residual, that is the residual of the whole fit "
         "and the effect’s own share of it. Lines: the share that is fitted."

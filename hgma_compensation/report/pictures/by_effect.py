@@ -35,7 +35,7 @@ PICTURES: dict[str, tuple[Pictures, ...]] = {
 def evidence_charts(findings: Findings, channel: str) -> Iterator[tuple[str, list[Chart]]]:
     """Yield the title of each effect that was found, with its charts."""
     for evidence in evidence_of(findings, channel):
-        gc.collect()  # figures refer to themselves, and there are several for each effect
+        gc.collect()  # what was drawn before: figures refer to themselves, and there are several for each effect
         give_back()
         pictures = PICTURES.get(evidence.effect.name, (in_time.over_recordings,))
         charts = [chart for picture in pictures for chart in picture(evidence)]
