@@ -100,3 +100,13 @@ def test_slow_cosines_belong_to_one_run_each_and_end_at_the_shortest_period():
     np.testing.assert_array_equal(cosines[RUN == 0, 0], 1.0)
     fastest = cosines[RUN == 0, counts[0] - 1]
     assert np.sum(np.diff(np.sign(fastest)) != 0) == counts[0] - 1
+
+
+def test_slow_cosines_of_a_single_run_are_those_that_it_has_beside_others():
+    cosines = slow_cosines(RUN, STAMPS, 100.0)
+    start = 0
+    for number in (0, 1):
+        alone = slow_cosines(RUN[number == RUN], STAMPS[number == RUN], 100.0)
+        assert alone.flags.c_contiguous
+        np.testing.assert_array_equal(alone, cosines[number == RUN, start : start + alone.shape[1]])
+        start += alone.shape[1]

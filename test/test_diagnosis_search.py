@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from diagnosis_blocks import no_whitening
 
+from hgma_compensation.diagnosis.baseline import independent
 from hgma_compensation.diagnosis.search import Projection, score, searched_count
 from hgma_compensation.diagnosis.whitener import Whitener
 from hgma_compensation.effects.stress_relaxation import StressRelaxation
@@ -66,3 +67,19 @@ def test_columns_that_are_added_are_known_from_then_on():
     np.testing.assert_allclose(projection.residual, at_once.residual, atol=1e-9)
     assert score(projection, [ThermalGradient()], [COLUMNS])[0].rank == 0
     np.testing.assert_allclose(projection.known.T @ projection.known, np.eye(7), atol=1e-9)
+
+
+@pytest.mark.parametrize("dropped", [(), (1, 4)])
+def test_columns_that_may_be_lost_span_the_same_to_the_bit(dropped):
+    columns = np.asfortranarray(np.random.default_rng(5).standard_normal((60, 6)))
+    columns[:, list(dropped)] = 0.0
+    expected = independent(columns)
+    assert expected.shape == (60, 6 - len(dropped))
+    assert independent(columns.copy(order="F"), overwrite=True).tobytes() == expected.tobytes()
+
+
+def test_columns_that_are_asked_for_are_left_as_they_are():
+    columns = np.asfortranarray(np.random.default_rng(5).standard_normal((60, 6)))
+    before = columns.tobytes()
+    independent(columns)
+    assert columns.tobytes() == before

@@ -168,3 +168,15 @@ def test_runs_too_short_for_a_line_have_no_spectrum(plain):
     few[:12] = True
     frequencies, power = power_spectrum(without_rows(problem, few), np.ones(12))
     assert len(frequencies) == len(power) == 0
+
+
+def test_a_state_is_solved_once_whether_its_covariance_waits_in_a_file_or_not():
+    state = State.of(plain_problem(), [lag(TRUE)])
+    weights, residual = state.fit()
+    root = state.solution[1]
+    assert root.tobytes() == state.solve(state.known)[1].tobytes()
+    again = State.of(state.problem, state.effects)
+    again.whitener.put_away()
+    assert again.fit()[0].tobytes() == weights.tobytes()
+    assert again.fit()[1].tobytes() == residual.tobytes()
+    assert state.fit()[0] is weights

@@ -16,10 +16,6 @@ GROUP = "memory"
 LONG, SHORT = 24, 1
 """h of the two recordings."""
 
-SHORT_DIAGNOSED = 4
-"""h of the one for ``hgma diagnose``, whose noise model grows with the square of the means, of which there are most, as
-many as in a day, from 3.5 h on."""
-
 HOUR = 3600.0
 CONTENTS = {
     "messages at 5 Hz": Content(seconds=HOUR, rate=5.0),
@@ -43,22 +39,20 @@ def measure(given: Given) -> Result:
     }
     rows = []
     for name, content in CONTENTS.items():
+        recordings = tuple(bag(replace(content, seconds=h * HOUR), given.bags) for h in (LONG, SHORT))
         for command, execute in commands.items():
-            hours = SHORT_DIAGNOSED if command == "diagnose" else SHORT
-            long, short = (bag(replace(content, seconds=h * HOUR), given.bags) for h in (LONG, hours))
-            what, rival = f"hgma {command}, {LONG} h of {name}", f"that of {hours} h"
             # A diagnosis of a day takes a minute or more, and as much memory each time.
             repetitions = 1 if command == "diagnose" else given.repetitions
-            rows.append(_row(what, rival, execute, (long, short), repetitions))
+            rows.append(_row(f"hgma {command}, {LONG} h of {name}", execute, recordings, repetitions))
             given.say(f"{rows[-1].name}: {rows[-1].ratio:.2f}")
     return Result(tuple(rows))
 
 
-def _row(name: str, rival: str, execute: Callable[[Path], Run], recordings: tuple[Path, Path], repetitions: int) -> Row:
+def _row(name: str, execute: Callable[[Path], Run], recordings: tuple[Path, ...], repetitions: int) -> Row:
     long, short = recordings
     figures = alternate(
         min(repetitions, MOST_REPETITIONS),
         lambda: execute(long).peak_megabytes,
         lambda: execute(short).peak_megabytes,
     )
-    return Row(GROUP, name, "MB", rival, *figures, Target(1.1))
+    return Row(GROUP, name, "MB", f"that of {SHORT} h", *figures, Target(1.1))

@@ -50,11 +50,15 @@ def regressors(drift: RadialBasisDrift, features: Array) -> Array:
     return basis(drift.scaling.apply(features), drift.centres, drift.widths)
 
 
-def independent(columns: Array, tolerance: float = 1e-7) -> Array:
-    """Return orthonormal columns (n, r) that span columns (n, k) up to the tolerance of the largest."""
+def independent(columns: Array, tolerance: float = 1e-7, *, overwrite: bool = False) -> Array:
+    """Return orthonormal columns (n, r) that span columns (n, k) up to the tolerance of the largest.
+
+    overwrite: whether the columns may be lost, which takes less memory where they are in Fortran's order.
+    """
     norms = np.linalg.norm(columns, axis=0)
-    scaled = columns[:, norms > 0.0]
-    scaled /= norms[norms > 0.0]
+    seen = norms > 0.0
+    scaled = columns if overwrite and seen.all() else columns[:, seen]
+    scaled /= norms[seen]
     if not scaled.shape[1]:
         return np.empty((len(columns), 0))
     # In place, which numpy's does not offer: of hundreds of columns every copy is megabytes.

@@ -85,9 +85,8 @@ class Slow:
 
 def residue(state: State, problem: Problem) -> Residue:
     """Return what a state, fitted to its own blocks, leaves in the blocks of another problem or its own."""
-    own = np.hstack([state.problem.baseline, *state.columns])
     other = np.hstack([problem.baseline, *problem.columns(state.effects)])
-    weights, root = state.solve(own)
+    weights, root = state.solution
     residual = problem.values - other @ weights
     blocks = problem.scene.blocks
     carried = np.abs(problem.slope(weights)) * problem.thermistor.deviation

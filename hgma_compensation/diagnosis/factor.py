@@ -23,6 +23,9 @@ one, which changes 1e-14 of the largest element at most in tests."""
 WHOLE = 512
 """Rows up to which a factor is one panel."""
 
+WRITTEN = 16
+"""Columns that are written at once."""
+
 
 class Factor:
     """A lower triangular matrix (n, n) that equations are solved with.
@@ -54,6 +57,7 @@ class Factor:
             white[done : done + width] = head
             done += width
             rest = _without(rest[width:], below, head)
+            del square, below  # before the next ones are read
         return white
 
     def transposed(self, columns: Array) -> Array:
@@ -62,6 +66,7 @@ class Factor:
         for square, below in self._panels():
             end = done + len(square)
             product[done:end] = np.concatenate([square, below]).T @ columns[done:]
+            del square, below
             done = end
         return product
 
@@ -115,7 +120,9 @@ def _filed(panels: Iterator[Panel]) -> Spooled:
     numbers = Spooled(1)
     for panel in panels:
         for block in panel:
-            numbers.add(np.ascontiguousarray(block.T).reshape(-1, 1))
+            # A few columns at a time: copies of panels, each of another size, would each take other free memory.
+            for part in in_parts(block.shape[1], WRITTEN):
+                numbers.add(np.ascontiguousarray(block[:, part].T).reshape(-1, 1))
     return numbers
 
 

@@ -117,7 +117,9 @@ class Forward:
         while len(found) < MOST_EFFECTS:
             self._say(f"effect {len(found) + 1}")
             state, candidates = self._stage(state, max((f.contribution for f in found), default=0.0))
-            stages.append(tuple(replace(one, scored=one.scored.figures()) for one in candidates))
+            # Their columns are not needed beside the covariances that follow.
+            candidates = [replace(one, scored=one.scored.figures()) for one in candidates]
+            stages.append(tuple(candidates))
             chosen = next((c for c in candidates if not c.reason), None)
             if chosen is None:
                 break

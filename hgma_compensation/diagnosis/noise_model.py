@@ -143,7 +143,11 @@ def slow_cosines(run: NDArray[np.int64], stamps: Stamps, shortest_period: float)
         seconds = (stamps[rows] - stamps[rows][0]) * 1e-9
         length = float(seconds[-1]) + 1e-9
         count = 1 + int(2.0 * length / shortest_period)
+        waves = np.pi * np.arange(count) * (seconds / length)[:, None]
+        np.cos(waves, out=waves)  # of a day each copy is megabytes
+        if rows.all():
+            return waves
         block = np.zeros((len(run), count))
-        block[rows] = np.cos(np.pi * np.arange(count) * (seconds / length)[:, None])
+        block[rows] = waves
         parts.append(block)
     return np.concatenate(parts, axis=1)

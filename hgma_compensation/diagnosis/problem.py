@@ -120,8 +120,7 @@ class State:
     @cached_property
     def projection(self) -> Projection:
         """The whitened problem without baseline and effects."""
-        known = np.hstack([self.problem.baseline, *self.columns])
-        return Projection.of(self.whitener, known, self.problem.values)
+        return Projection.of(self.whitener, self.known, self.problem.values)
 
     def score(self, effects: Sequence[Effect]) -> list[Scored]:
         """Return effects scored beside those that the state has."""
@@ -136,11 +135,23 @@ class State:
         """Whitened energy that is left."""
         return float(self.projection.residual @ self.projection.residual)
 
+    @property
+    def known(self) -> Array:
+        """Columns (n, k) of baseline and effects."""
+        return np.hstack([self.problem.baseline, *self.columns])
+
+    @cached_property
+    def solution(self) -> tuple[Array, Array]:
+        """Weights of the known columns, as ``solve`` gives them; kept, since a covariance in a file is read for them.
+
+        The report asks for them once more, where the memory for that would come on top of what drawing takes.
+        """
+        return self.solve(self.known)
+
     def fit(self) -> tuple[Array, Array]:
         """Return generalised least-squares weights of [baseline, effects] and the residual (n,), not whitened."""
-        known = np.hstack([self.problem.baseline, *self.columns])
-        weights, _ = self.solve(known)
-        return weights, self.problem.values - known @ weights
+        weights, _ = self.solution
+        return weights, self.problem.values - self.known @ weights
 
     def solve(self, known: Array) -> tuple[Array, Array]:
         """Return the weights (k,) of columns (n, k), and B (k, r): B Bᵀ is their covariance."""

@@ -52,7 +52,7 @@ class Projection:
         seen = np.linalg.norm(white, axis=0) > np.sqrt(SEEN) * np.maximum(norms, 1e-300)
         left = white[:, seen]
         del white
-        return independent(left, 1e-4)
+        return independent(left, 1e-4, overwrite=True)
 
     def _along(self, columns: Array) -> Array:
         """Return the part of columns (n,) or (n, k), whitened, that is known."""

@@ -1,5 +1,7 @@
 """All that the report says about one channel."""
 
+import gc
+
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.diagnosis.result import ChannelDiagnosis, Diagnosis
 from hgma_compensation.diagnosis.verdict import Verdict
@@ -61,15 +63,19 @@ def _tile(name: str, value: float, channel: ChannelDiagnosis, colour: str) -> Ht
 
 def _evidence(channel: ChannelDiagnosis) -> list[Html]:
     found = evidence_charts(channel.findings, channel.name)
-    if not found:
+    parts = []
+    for title, drawn in found:
+        parts.append(inner(element("h4", title), charts(drawn, level=5)))
+        drawn.clear()  # figures take memory, and the next effect has its own
+    if not parts:
         return []
+    gc.collect()  # the last effect's figures, which refer to themselves
     text = (
         "From the recordings that were learned from. Points: partial residual, that is the residual of the whole fit "
         "and the effect’s own share of it. Lines: the share that is fitted."
     )
     if not channel.judgement.helped:
         text += " These effects did not hold on the hold-out, and are not in the calibration."
-    parts = [inner(element("h4", title), charts(drawn, level=5)) for title, drawn in found]
     return [section("Evidence", element("p", text, class_="quiet"), *parts)]
 
 

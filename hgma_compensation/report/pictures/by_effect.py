@@ -1,6 +1,7 @@
 """Which pictures show the evidence for which kind of effect."""
 
-from collections.abc import Callable
+import gc
+from collections.abc import Callable, Iterator
 
 from hgma_compensation.diagnosis.forward import Findings
 from hgma_compensation.kept_memory import give_back
@@ -31,14 +32,14 @@ PICTURES: dict[str, tuple[Pictures, ...]] = {
 """By the name of the kind; one that is not here is drawn over time."""
 
 
-def evidence_charts(findings: Findings, channel: str) -> list[tuple[str, list[Chart]]]:
-    """Return the title of each effect that was found, with its charts."""
-    result = []
+def evidence_charts(findings: Findings, channel: str) -> Iterator[tuple[str, list[Chart]]]:
+    """Yield the title of each effect that was found, with its charts."""
     for evidence in evidence_of(findings, channel):
+        gc.collect()  # what was drawn before: figures refer to themselves, and there are several for each effect
+        give_back()
         pictures = PICTURES.get(evidence.effect.name, (in_time.over_recordings,))
         charts = [chart for picture in pictures for chart in picture(evidence)]
         if evidence.effect.name == "periodic_interference":
             charts += spectrum.spectrum(findings)
         give_back()  # what fits and the recordings' temperatures took
-        result.append((evidence.effect.title, charts or in_time.over_recordings(evidence)))
-    return result
+        yield evidence.effect.title, charts or in_time.over_recordings(evidence)
