@@ -8,10 +8,10 @@ import click
 from hgma_compensation.calibration.calibration import Calibration
 from hgma_compensation.cli.main import INTERRUPTED
 from hgma_compensation.cli.progress_bars import progress_bar
+from hgma_compensation.recording.source import Source
 from hgma_compensation.report.search_record import SearchRecord
 from hgma_compensation.training.genetic import GeneticSettings
 from hgma_compensation.training.methods import Method
-from hgma_compensation.training.source import Source
 
 
 def report_training(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgma_compensation.recording.recording import Series
-from hgma_compensation.stamps import Stamps
+from hgma_compensation.recording.source import Source
 
 
 class Sliced(Protocol):
@@ -73,12 +73,8 @@ def in_parts(count: int, size: int) -> Iterator[slice]:
         yield slice(start, min(start + size, count))
 
 
-class Sampled(Protocol):
+class Sampled(Source, Protocol):
     """A recording whose samples are read in parts; the attributes are those of Recording."""
-
-    @property
-    def name(self) -> str:
-        """Name, for messages and provenance."""
 
     @property
     def stamps(self) -> Sliced:
@@ -93,24 +89,12 @@ class Sampled(Protocol):
         """(n,) number of the AccelBlock that each sample came in, None where each came in a message of its own."""
 
     @property
-    def present(self) -> tuple[str, ...]:
-        """The channels that the sensor really delivers."""
-
-    @property
-    def temperature(self) -> Series:
-        """The thermistor, °C."""
-
-    @property
     def temperature_2(self) -> Series:
         """The second thermometer, °C."""
 
     @property
     def supply_voltage(self) -> Series:
         """The supply voltage, V."""
-
-    @property
-    def frame(self) -> str:
-        """Frame of the accelerometer's messages."""
 
     @property
     def first(self) -> int:
@@ -120,23 +104,5 @@ class Sampled(Protocol):
     def last(self) -> int:
         """Greatest stamp of the accelerometer, ns."""
 
-    @property
-    def start(self) -> int:
-        """Stamp of the first sample of accelerometer or thermistor, ns."""
-
-    @property
-    def duration(self) -> float:
-        """Time from the first to the last accelerometer sample, s."""
-
-    @property
-    def samples(self) -> int:
-        """Number of accelerometer samples."""
-
-    def require_temperature(self) -> None:
-        """Raise RefusedError where there is no thermistor in the recording."""
-
     def has(self, name: str) -> bool:
         """Return whether there is a finite sample of a slow input, named as its field is."""
-
-    def windows(self) -> Iterator[tuple[Stamps, NDArray[np.float64]]]:
-        """Yield stamps (n,) in ns and values (n, 6) of the accelerometer samples in their order."""

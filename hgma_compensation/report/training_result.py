@@ -7,13 +7,13 @@ import numpy as np
 
 from hgma_compensation.calibration.calibration import Calibration, ChannelCalibration
 from hgma_compensation.drift.inputs import Array
+from hgma_compensation.recording.source import Source
 from hgma_compensation.report.search_record import SearchRecord
 from hgma_compensation.training.blocks import Blocks, block_means
 from hgma_compensation.training.comparison import Material, MethodResult, compare_methods
 from hgma_compensation.training.folds import Folds, cycle_folds
 from hgma_compensation.training.genetic import GeneticSettings
 from hgma_compensation.training.methods import Method
-from hgma_compensation.training.source import Source
 from hgma_compensation.training.train import channel_seed
 
 Advance = Callable[[str, Method], None]

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from hgma_compensation.channels import columns_of
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.pipeline.screening import usable_samples
+from hgma_compensation.recording.source import Source
 from hgma_compensation.stamps import seconds_between
 from hgma_compensation.temperature.features import FeatureSettings, read_features
 from hgma_compensation.temperature.track import TemperatureTrack
-from hgma_compensation.training.source import Source
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.design import settled_filter
 from hgma_compensation.kalman.random_walk import RandomWalkNoise
 from hgma_compensation.kalman.settings import FilterMode, FilterSettings
+from hgma_compensation.recording.source import Source
 from hgma_compensation.stamps import NANOSECONDS, Stamps
 from hgma_compensation.training.blocks import noise_of_means
-from hgma_compensation.training.source import Source
 
 LEAST_REDUCTION = 1.1
 """Noise reduction below which a filter costs lag and gives nothing."""

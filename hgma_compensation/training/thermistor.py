@@ -6,11 +6,11 @@ import numpy as np
 
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.recording.recording import Series
+from hgma_compensation.recording.source import Source
 from hgma_compensation.stamps import NANOSECONDS
 from hgma_compensation.temperature.features import FeatureSettings, Product
 from hgma_compensation.temperature.noise import fit_trend_noise
 from hgma_compensation.temperature.track import PLAUSIBLE_CELSIUS
-from hgma_compensation.training.source import Source
 
 HORIZON_INTERVALS = 10
 SHORTEST_HORIZON, LONGEST_HORIZON = 2.0, 60.0

@@ -19,6 +19,7 @@ from hgma_compensation.drift.inputs import Array
 from hgma_compensation.drift.model import CalibratedRange
 from hgma_compensation.errors import RefusedError
 from hgma_compensation.kalman.settings import FilterMode
+from hgma_compensation.recording.source import Source
 from hgma_compensation.stamps import Stamps
 from hgma_compensation.temperature.features import FeatureSettings, Product
 from hgma_compensation.training.blocks import Blocks, block_means, noise_of_means
@@ -27,7 +28,6 @@ from hgma_compensation.training.folds import Folds, cycle_folds
 from hgma_compensation.training.genetic import GeneticSettings
 from hgma_compensation.training.methods import Method, fit_drift
 from hgma_compensation.training.reference import Reference
-from hgma_compensation.training.source import Source
 from hgma_compensation.training.thermistor import feature_settings
 
 MOST_BLOCKS = 2500

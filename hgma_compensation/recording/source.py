@@ -1,4 +1,4 @@
-"""What training asks of a recording, be it in memory or left in its bag."""
+"""What is asked of a recording, be it in memory, in a file or left in its bag."""
 
 from collections.abc import Iterator
 from typing import Protocol
