@@ -94,7 +94,7 @@ def compensate_recording(recording: Recording, calibration: Calibration) -> Comp
     values = recording.values[rows]
     pipeline = Pipeline(calibration)
     feed(pipeline, recording)
-    return pipeline.compensate(recording.stamps[rows], values[:, columns_of(calibration.names)], values)
+    return pipeline.compensate(recording.stamps[rows], pipeline.columns.of(values), values)
 
 
 def feed(pipeline: Pipeline, recording: Sampled) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -82,7 +83,7 @@ class Compensation:
 
     def ends(self) -> Ends:
         """Return what decides which of the messages get a state."""
-        last = self._last()
+        last = self._last
         stamps = self.messages.stamps[self.samples[last]]
         if self.result.ordinary:
             return Ends(stamps, np.zeros(len(last), dtype=np.uint8), np.ones(len(last), dtype=np.bool_))
@@ -90,12 +91,13 @@ class Compensation:
 
     def states(self, chosen: Indices, layout: Layout) -> Iterator[Batch]:
         """Yield the states of the last samples of the messages ``chosen`` (m,), increasing, as topic 0."""
-        rows, last = self.usable[chosen], self._last()[chosen]
+        rows, last = self.usable[chosen], self._last[chosen]
         heads = self.messages.heads(rows)
         for part, frame in self.messages.frames(rows):
             states = layout(frame).rows(heads[part], self.result.take(last[part]))
             yield of_rows(states, self.times[rows[part]])
 
+    @cached_property
     def _last(self) -> Indices:
         """Return the last sample of each usable message among the samples, (m,)."""
         return np.cumsum(self.messages.counts[self.usable]) - 1

@@ -63,9 +63,9 @@ class WholeBlocks:
             stamps = b"".join(self.messages[row][STAMP_AT : STAMP_AT + STAMP_SIZE] for row in rows)
             heads = np.frombuffer(stamps, dtype=np.uint8).reshape(len(rows), STAMP_SIZE)
             last = [self.last[row] for row in rows]
-            result = last[0].pipeline.ends_of_blocks(
-                self.ends().stamps[chosen], [end.cell for end in last], np.array([end.left for end in last])
-            )
+            stamped = np.array([end.stamp for end in last], dtype=np.int64)
+            left = np.array([end.left for end in last])
+            result = last[0].pipeline.ends_of_blocks(stamped, [end.cell for end in last], left)
             states = layout(self.layout.frame).rows(heads, result)
             yield of_rows(states, np.array([self.times[row] for row in rows], dtype=np.int64))
 
@@ -88,7 +88,7 @@ class WholeBlockReader:
         view = messages.last_view
         if view is None:
             self._layout = None
-        elif self._layout is None or not self._layout.holds(bytes(view.raw)):
+        elif self._layout is None or not self._layout.holds(view.raw):
             self._layout = BlockLayout(view)
 
     def take(self, batch: Batch) -> WholeBlocks | None:
